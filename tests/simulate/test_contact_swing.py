@@ -10,7 +10,6 @@ from strand_kit import scene_of
 from strandcli.groom.emit import emit
 from strandcli.jit import function
 from strandcli.simulate.contact.kernels import contact_solve
-from strandcli.simulate.contact.kernels.contact_pairs import NORMAL, START, VECTORS
 from strandcli.simulate.rod.kernels.arrays import PACK
 from strandcli.simulate.rod.solver import RodSolver
 from strandcli.study.references import incline
@@ -101,8 +100,12 @@ def test_contact_leaves_strands_that_interact_as_they_are_where_none_touch() -> 
 
 
 @function
-def force_of(vector: Floats, wanted: float, friction: float, w: Floats, rows: Floats) -> None:
-    contact_solve.force_of(vector, wanted, friction, w, rows)
+def force_of(given: Floats, friction: float, w: Floats, out: Floats) -> None:
+    """``given`` (3, 3): normal, way at the begin, and way without the force, which is to be 1 along the normal."""
+    three = contact_solve.three
+    rows = three(w[0], 0), three(w[1], 0), three(w[2], 0)
+    normal, start, free = three(given[0], 0), three(given[1], 0), three(given[2], 0)
+    out[0], out[1], out[2] = contact_solve.force_of(normal, start, free, 1.0, friction, rows)
 
 
 def response(rng: np.random.Generator, along: float) -> Floats:
@@ -121,16 +124,14 @@ def test_what_slides_obeys_coulombs_law(along: float, friction: float) -> None:
     slid = 0
     for _ in range(300):
         n = rng.normal(size=3)
-        vector, rows = np.zeros(VECTORS), np.zeros((7, 3))
-        vector[NORMAL : NORMAL + 3] = n = n / np.linalg.norm(n)
-        vector[START : START + 3] = n
-        way = rng.normal(size=3)
-        rows[0] = (1 - rng.uniform(0.0, 1.0)) * n + way - (way @ n) * n
+        n /= np.linalg.norm(n)
+        way, force = rng.normal(size=3), np.zeros(3)
+        free = (1 - rng.uniform(0.0, 1.0)) * n + way - (way @ n) * n
         w = response(rng, along)
-        force_of(vector, 1.0, friction, w, rows)
-        push, free = rows[1] @ n, rows[0]
-        drag = rows[1] - push * n
-        left = free - n + w @ rows[1]
+        force_of(np.array([n, n, free]), friction, w, force)
+        push = force @ n
+        drag = force - push * n
+        left = free - n + w @ force
         assert left @ n == pytest.approx(0, abs=1e-6)
         assert push >= 0
         size = np.linalg.norm(drag)

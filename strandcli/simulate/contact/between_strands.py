@@ -197,7 +197,7 @@ class StrandContact:
     def _near(self, start: Floats, end: Floats, pairs: NDArray[np.int64], sizes: tuple[float, ...]) -> Contacts:
         """Return the contacts among some pairs that are near at the end of a step."""
         numbers, vectors = np.zeros((len(pairs), NUMBERS)), np.zeros((len(pairs), VECTORS))
-        contact_approach.look(start, end, self.lengths, pairs, sizes, numbers, vectors, np.zeros((6, 2, 3)))
+        contact_approach.look(start, end, self.lengths, pairs, sizes, numbers, vectors)
         near = (numbers[:, COUNTS] > 0) & (numbers[:, GAP] < sizes[2])
         return Contacts(pairs, numbers, vectors).where(near)
 

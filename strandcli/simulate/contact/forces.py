@@ -85,8 +85,8 @@ class Forces:
         if found.yielding():
             sweeps = CROWD_SWEEPS
         settings = self.friction, sweeps, PRECISION * self.thickness, IMMOBILE / float(self.lengths.max())
-        contacts, rows = (found.numbers, found.vectors), np.zeros((7, 3))
-        contact_solve.solve(found.pairs, contacts, (responses, own), settings, after, moves, rows)
+        contacts = found.numbers, found.vectors
+        contact_solve.solve(found.pairs, contacts, (responses, own), settings, after, moves)
         moved = float(np.abs(moves).max())
         share = min(1.0, TRUST * max(float(found.excess().max()), self.thickness) / max(moved, TINY))
         leans = np.asarray(self._held(solver.state).any((1, 2)))

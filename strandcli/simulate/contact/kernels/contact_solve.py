@@ -12,7 +12,8 @@ from __future__ import annotations
 
 import math
 
-from ....jit import device, function
+from ....jit import device, function, inlined
+from ...rod.kernels.vectors import add_scaled, cross, dot, less, scaled, sum_of
 from .contact_pairs import (
     ALPHA,
     AXES,
@@ -37,14 +38,25 @@ SOFT = 1e-7
 """Share of a contact's own response that is added to it, so that it can be inverted."""
 
 
+@inlined
+def three(row, i):
+    """Three numbers of a row from place i on."""
+    return row[i], row[i + 1], row[i + 2]
+
+
+@inlined
+def times(w, v):
+    """The product of a matrix, three rows, and a vector."""
+    return dot(w[0], v), dot(w[1], v), dot(w[2], v)
+
+
 @device
-def moved(moves, strand, end, share, c):
-    """Coordinate c of the displacement of a place on the segment that ends at particle ``end`` of those that move;
-    roots do not."""
-    x = share * moves[strand, end, c]
+def moved(moves, strand, end, share):
+    """The displacement of a place on the segment that ends at particle ``end`` of those that move; roots do not."""
+    way = scaled(share, three(moves[strand, end], 0))
     if end > 0:
-        x += (1.0 - share) * moves[strand, end - 1, c]
-    return x
+        way = add_scaled(way, 1.0 - share, three(moves[strand, end - 1], 0))
+    return way
 
 
 @device
@@ -73,104 +85,52 @@ def own_responses(pairs, numbers, responses, out):
 
 
 @device
-def invert_times(w, v, out):
-    """Set ``out`` to the solution of w x = v, (3, 3), by Cramer's rule."""
-    a = w[1, 1] * w[2, 2] - w[1, 2] * w[2, 1]
-    b = w[1, 2] * w[2, 0] - w[1, 0] * w[2, 2]
-    c = w[1, 0] * w[2, 1] - w[1, 1] * w[2, 0]
-    f = 1.0 / max(w[0, 0] * a + w[0, 1] * b + w[0, 2] * c, TINY)
-    out[0] = f * (
-        a * v[0] + (w[0, 2] * w[2, 1] - w[0, 1] * w[2, 2]) * v[1] + (w[0, 1] * w[1, 2] - w[0, 2] * w[1, 1]) * v[2]
-    )
-    out[1] = f * (
-        b * v[0] + (w[0, 0] * w[2, 2] - w[0, 2] * w[2, 0]) * v[1] + (w[0, 2] * w[1, 0] - w[0, 0] * w[1, 2]) * v[2]
-    )
-    out[2] = f * (
-        c * v[0] + (w[0, 1] * w[2, 0] - w[0, 0] * w[2, 1]) * v[1] + (w[0, 0] * w[1, 1] - w[0, 1] * w[1, 0]) * v[2]
-    )
+def solution(w, v):
+    """The solution of w x = v, by Cramer's rule."""
+    a, b, c = cross(w[1], w[2]), cross(w[2], w[0]), cross(w[0], w[1])
+    x = add_scaled(add_scaled(scaled(v[0], a), v[1], b), v[2], c)
+    return scaled(1.0 / max(dot(w[0], a), TINY), x)
 
 
 @device
-def dot(a, i, b, j):
-    """Scalar product of vectors at places of two rows."""
-    return a[i] * b[j] + a[i + 1] * b[j + 1] + a[i + 2] * b[j + 2]
-
-
-@device
-def force_of(vector, wanted, friction, w, rows):
-    """Set ``rows[1]``, the force of one contact, where ``rows[0]`` is the way between its places without it.
-    ``rows[2:4]`` are scratch."""
-    free, force, way = rows[0], rows[1], rows[2]
-    missing = wanted - dot(vector, NORMAL, free, 0)
-    start = dot(vector, NORMAL, vector, START)
+def force_of(normal, start, free, wanted, friction, w):
+    """The force of one contact with the response w, where ``free`` is the way between its places without it, and
+    ``start`` that when the step begins."""
+    missing = wanted - dot(normal, free)
     if missing <= 0.0:
-        force[...] = 0.0
-        return
-    for c in range(AXES):  # where both stick: across the normal as at the begin
-        way[c] = vector[START + c] + (wanted - start) * vector[NORMAL + c] - free[c]
-    invert_times(w, way, force)
-    push = dot(vector, NORMAL, force, 0)
-    size = 0.0
-    for c in range(AXES):
-        size += (force[c] - push * vector[NORMAL + c]) ** 2
-    if push >= 0.0 and math.sqrt(size) <= friction * push:
-        return
-    slide(vector, missing, friction, w, rows)
+        return 0.0, 0.0, 0.0
+    # where both stick: across the normal as at the begin
+    force = solution(w, less(add_scaled(start, wanted - dot(normal, start), normal), free))
+    push = dot(normal, force)
+    across = add_scaled(force, -push, normal)
+    if push >= 0.0 and math.sqrt(dot(across, across)) <= friction * push:
+        return force
+    return slide(normal, less(start, free), missing, friction, w)
 
 
 @device
-def slide(vector, missing, friction, w, rows):
-    """Set ``rows[1]``, the force of a contact that slides, where ``rows[0]`` is the way between its places without it,
-    ``missing`` what it lacks along the normal, metres, and ``w`` (3, 3) its response. ``rows[2:4]`` are scratch.
+def slide(normal, way, missing, friction, w):
+    """The force of a contact that slides, where ``way`` is what would stick, and ``missing`` what it lacks along the
+    normal, metres.
 
     With λ_n eliminated, (S + α) λ_t = b, S being 2 × 2 and symmetric. µ λ_n / |λ_t| − 1 is below 0 where α is 0, as the
     force that would stick is out of the cone, is above from an α on that is known, and nearly straight between: the
     root is found by false position (the Illinois rule, Dowell & Jarratt 1971). Iterations for the direction of sliding
     need not end where a strand gives way along itself far less than across."""
-    free, force, one, other = rows[0], rows[1], rows[2], rows[3]
-    set_across(vector, one, other)
-    own = product(w, vector, NORMAL, vector, NORMAL)
-    turn, other_turn = product(w, one, 0, vector, NORMAL), product(w, other, 0, vector, NORMAL)
-    a = product(w, one, 0, one, 0) - turn * turn / own
-    b = product(w, one, 0, other, 0) - turn * other_turn / own
-    d = product(w, other, 0, other, 0) - other_turn * other_turn / own
-    x, y = -turn * missing / own, -other_turn * missing / own
-    for c in range(AXES):
-        way = vector[START + c] - free[c]
-        x += one[c] * way
-        y += other[c] * way
+    one = (0.0, -normal[2], normal[1]) if abs(normal[0]) < 0.6 else (-normal[1], normal[0], 0.0)
+    one = scaled(1.0 / max(math.sqrt(dot(one, one)), TINY), one)
+    other = cross(normal, one)
+    along, by_one, by_other = times(w, normal), times(w, one), times(w, other)
+    own, turn, other_turn = dot(normal, along), dot(one, along), dot(other, along)
+    a = dot(one, by_one) - turn * turn / own
+    b = dot(one, by_other) - turn * other_turn / own
+    d = dot(other, by_other) - other_turn * other_turn / own
+    x, y = dot(one, way) - turn * missing / own, dot(other, way) - other_turn * missing / own
     of = missing, own, friction, (a, b, d), (x, y), (turn, other_turn)
     push, x, y = missing / own, 0.0, 0.0
     if friction > 0.0:
         push, x, y = force_at(of, root_of(of))
-    for c in range(AXES):
-        force[c] = push * vector[NORMAL + c] + x * one[c] + y * other[c]
-
-
-@device
-def set_across(vector, one, other):
-    """Set two unit vectors across the normal and each other."""
-    x, y, z = vector[NORMAL], vector[NORMAL + 1], vector[NORMAL + 2]
-    if abs(x) < 0.6:
-        one[0], one[1], one[2] = 0.0, -z, y
-    else:
-        one[0], one[1], one[2] = -y, x, 0.0
-    size = max(math.sqrt(one[0] ** 2 + one[1] ** 2 + one[2] ** 2), TINY)
-    for c in range(AXES):
-        one[c] /= size
-    other[0] = y * one[2] - z * one[1]
-    other[1] = z * one[0] - x * one[2]
-    other[2] = x * one[1] - y * one[0]
-
-
-@device
-def product(w, a, i, b, j):
-    """a·w b, of vectors at places of two rows."""
-    total = 0.0
-    for c in range(AXES):
-        for d in range(AXES):
-            total += a[i + c] * w[c, d] * b[j + d]
-    return total
+    return add_scaled(add_scaled(scaled(push, normal), x, one), y, other)
 
 
 @device
@@ -219,16 +179,16 @@ def root_of(of):
 
 
 @function
-def solve(pairs, contacts, responses, settings, forces, moves, rows):
+def solve(pairs, contacts, responses, settings, forces, moves):
     """Change ``forces`` (m, 3) and with them ``moves`` (S, N, 3), displacements against `END` of the contacts'
     ``vectors``, until no contact changes its way by more than the tolerance. ``contacts``: numbers and vectors;
     ``responses``: those of `contact_response.respond` and `own_responses`; ``settings``: friction, sweeps at the most,
-    tolerance in metres, and response of contacts that are left out; ``rows`` (7, 3) is scratch. Returns the sweeps."""
+    tolerance in metres, and response of contacts that are left out. Returns the sweeps."""
     _, sweeps, tolerance, _ = settings
     for sweep in range(sweeps):
         worst = 0.0
         for i in range(len(pairs)):
-            worst = max(worst, solve_one(i, pairs, contacts, responses, settings, forces, moves, rows))
+            worst = max(worst, solve_one(i, pairs, contacts, responses, settings, forces, moves))
         if worst < tolerance:
             return sweep + 1
     return sweeps
@@ -238,46 +198,37 @@ def solve(pairs, contacts, responses, settings, forces, moves, rows):
 def move(pairs, responses, forces, moves):
     """Add to ``moves`` (S, N, 3) what ``forces`` (m, 3) move particles by."""
     for i in range(len(pairs)):
-        apply(pairs[i], responses[i], forces[i, 0], forces[i, 1], forces[i, 2], moves)
+        apply(pairs[i], responses[i], three(forces[i], 0), moves)
 
 
 @device
-def apply(pair, response, x, y, z, moves):
+def apply(pair, response, force, moves):
     """Add what a force moves the particles of a pair's strands by."""
     a, b = pair[FIRST], pair[SECOND]
     for j in range(moves.shape[1]):
         for c in range(AXES):
-            one, other = response[0, j, c], response[1, j, c]
-            moves[a, j, c] -= one[0] * x + one[1] * y + one[2] * z
-            moves[b, j, c] += other[0] * x + other[1] * y + other[2] * z
+            moves[a, j, c] -= dot(response[0, j, c], force)
+            moves[b, j, c] += dot(response[1, j, c], force)
 
 
 @device
-def solve_one(i, pairs, contacts, responses, settings, forces, moves, rows):
+def solve_one(i, pairs, contacts, responses, settings, forces, moves):
     """Solve for the force of one contact, with what the others do; return by how much its way changes, metres."""
-    numbers, vectors = contacts
-    response, own = responses
-    a, b = pairs[i, FIRST], pairs[i, SECOND]
-    soft = own[i, 0, 0] + own[i, 1, 1] + own[i, 2, 2]
-    if soft <= settings[3]:
+    pair, number, vector = pairs[i], contacts[0][i], contacts[1][i]
+    response, own, friction, least = responses[0][i], responses[1][i], settings[0], settings[3]
+    soft = own[0, 0] + own[1, 1] + own[2, 2]
+    if soft <= least:
         return 0.0
-    w = rows[4:7]
-    soft *= SOFT + numbers[i, YIELDING] / AXES
-    for c in range(AXES):
-        x = vectors[i, END + c] + moved(moves, b, pairs[i, SECOND_SEGMENT], numbers[i, BETA], c)
-        x -= moved(moves, a, pairs[i, FIRST_SEGMENT], numbers[i, ALPHA], c)
-        rows[0, c] = x - own[i, c, 0] * forces[i, 0] - own[i, c, 1] * forces[i, 1] - own[i, c, 2] * forces[i, 2]
-        for d in range(AXES):
-            w[c, d] = own[i, c, d]
-        w[c, c] += soft
-    force_of(vectors[i], numbers[i, WANTED], settings[0], w, rows)
-    worst, some = 0.0, False
-    for d in range(AXES):
-        change = rows[1, d] - forces[i, d]
-        forces[i, d] = rows[1, d]
-        rows[1, d] = change
-        worst = max(worst, abs(change) * own[i, d, d])
-        some = some or change != 0.0
-    if some:
-        apply(pairs[i], response[i], rows[1, 0], rows[1, 1], rows[1, 2], moves)
-    return worst
+    soft *= SOFT + number[YIELDING] / AXES
+    x, y, z = three(own[0], 0), three(own[1], 0), three(own[2], 0)
+    past = three(forces[i], 0)
+    other = moved(moves, pair[SECOND], pair[SECOND_SEGMENT], number[BETA])
+    free = less(other, moved(moves, pair[FIRST], pair[FIRST_SEGMENT], number[ALPHA]))
+    free = less(sum_of(three(vector, END), free), times((x, y, z), past))
+    w = (x[0] + soft, x[1], x[2]), (y[0], y[1] + soft, y[2]), (z[0], z[1], z[2] + soft)
+    force = force_of(three(vector, NORMAL), three(vector, START), free, number[WANTED], friction, w)
+    forces[i, 0], forces[i, 1], forces[i, 2] = force
+    change = less(force, past)
+    if change[0] != 0.0 or change[1] != 0.0 or change[2] != 0.0:
+        apply(pair, response, change, moves)
+    return max(abs(change[0]) * x[0], abs(change[1]) * y[1], abs(change[2]) * z[2])

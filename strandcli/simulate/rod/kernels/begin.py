@@ -6,6 +6,7 @@ from ....constants import W
 from ....jit import device, inlined
 from ....simd import load, load3, no_fma, store, store3, where
 from .arrays import AXES, PACK, ROW, Coefficients
+from .vectors import less, scaled, sum_of
 
 BLEND = 0.8
 """θ: share of BDF3 in the difference formula of velocities, the rest is BDF2. Two such steps, BDF2 for displacements
@@ -65,18 +66,15 @@ def place_root(s, at, state, drive, step, deforming):
     """Set the root's position and the clamped direction, as the edge before the first; return the displacement of the
     root in this step, metres."""
     x, y, z = load3(drive.roots, at.root, PACK)
-    px, py, pz = rotated(step.rotation, x, y, z)
-    there = px + step.translation[0], py + step.translation[1], pz + step.translation[2]
+    there = sum_of(rotated(step.rotation, x, y, z), step.translation)
     store3(state.positions, at.position + ROW, W, there[0], there[1], there[2])
-    px, py, pz = rotated(step.turned, x, y, z)
-    px, py, pz = px + step.shifted[0], py + step.shifted[1], pz + step.shifted[2]
+    moved = sum_of(rotated(step.turned, x, y, z), step.shifted)
     if deforming:
-        dx, dy, dz = load3(drive.drift, at.root, PACK)
-        px, py, pz = px + dx, py + dy, pz + dz
+        moved = sum_of(moved, load3(drive.drift, at.root, PACK))
     x, y, z = load3(drive.directions, at.root, PACK)
     x, y, z = rotated(step.rotation, x, y, z)
     store3(s.edge, -3, 1, x, y, z)
-    return px, py, pz
+    return moved
 
 
 @device
@@ -84,22 +82,18 @@ def begin(s, at, state, needs, c, shift):
     """Write a step's begin to the scratch: edges where the root alone has moved, by ``shift`` metres, u*, τ, and
     what damping adds to c̄: it pulls each joint toward the bend that it had, κ being
     multiplied by 1 + δ/Δt and κ c̄ greater by δ/Δt κ c."""
-    px, py, pz = load3(s.edge, -3, 1)
+    before = load3(s.edge, -3, 1)
     for j in range(at.segments):
         row = at.edge + j * AXES
         store(s.tension, j, load(state.tension, at.number + j * PACK) * c.reach)
-        x, y, z = load3(state.edges, row, PACK)
-        if j == 0:
-            u = c.inverse_length
-            store3(s.edge, 0, 1, x - u * shift[0], y - u * shift[1], z - u * shift[2])
-        else:
-            store3(s.edge, 3 * j, 1, x, y, z)
-        store3(s.damped, 3 * j, 1, c.damped * (x - px), c.damped * (y - py), c.damped * (z - pz))
-        store3(s.rest, 3 * j, 1, c.damped * (x - px), c.damped * (y - py), c.damped * (z - pz))
-        px, py, pz = x, y, z
-        x = predict(state, needs, c, row, 0)
-        y = predict(state, needs, c, row, 1)
-        z = predict(state, needs, c, row, 2)
+        edge = load3(state.edges, row, PACK)
+        x, y, z = less(edge, scaled(c.inverse_length, shift)) if j == 0 else edge
+        store3(s.edge, 3 * j, 1, x, y, z)
+        x, y, z = scaled(c.damped, less(edge, before))
+        store3(s.damped, 3 * j, 1, x, y, z)
+        store3(s.rest, 3 * j, 1, x, y, z)
+        before = edge
+        x, y, z = predict(state, needs, c, row, 0), predict(state, needs, c, row, 1), predict(state, needs, c, row, 2)
         store3(s.free, 3 * j, 1, x, y, z)
         store3(s.inertial, 3 * j, 1, x, y, z)
 
@@ -122,9 +116,7 @@ def predict(state, needs, c, row, k):
 def aim_tip(s, at, drive, c, parts, shift):
     """Have the pinned tip go where it is to be at the end of a step, or of the first of so many ``parts``, in a frame
     that has moved by a ``shift``, metres."""
-    f = c.inverse_length / parts
-    x, y, z = load3(drive.tips, at.root, PACK)
-    x, y, z = x - shift[0], y - shift[1], z - shift[2]
+    x, y, z = scaled(c.inverse_length / parts, less(load3(drive.tips, at.root, PACK), shift))
     last = 3 * (at.segments - 1)
-    store3(s.free, last, 1, f * x, f * y, f * z)
-    store3(s.inertial, last, 1, f * x, f * y, f * z)
+    store3(s.free, last, 1, x, y, z)
+    store3(s.inertial, last, 1, x, y, z)

@@ -22,7 +22,7 @@ from ...contact.kernels import find
 from ...contact.kernels.search import Past
 from .arrays import AXES, PACK, ROW
 from .begin import GAIN, OLD_GAIN
-from .vectors import scaled
+from .vectors import add_scaled, dot, less, scaled, select, sum_of
 
 HUGE = 1e18
 """Length of an edge, or τ, from which on it counts as infinite."""
@@ -72,16 +72,14 @@ def finish(s, at, next_pack, state, bends, step, needs, c, met, shift):
             correction = find.turn_out(s, j, end, correction, c, contact, past_end, needs.segments)
         edge = load3(s.edge, 3 * j, 1)
         free, left = load3(s.free, 3 * j, 1), load3(s.inertial, 3 * j, 1)
-        u = (free[0] - left[0] + correction[0], free[1] - left[1] + correction[1], free[2] - left[2] + correction[2])
+        u = sum_of(less(free, left), correction)
         if any_lane(bad):
-            old = load3(state.edges, row, PACK)
-            u = (where(bad, past[0] + edge[0] - old[0], u[0]), where(bad, past[1] + edge[1] - old[1], u[1]),
-                 where(bad, past[2] + edge[2] - old[2], u[2]))  # fmt: skip
+            u = select(bad, less(sum_of(past, edge), load3(state.edges, row, PACK)), u)
         past = u
         t = load(s.tension, j) - load(s.firm, 4 * j + 3)
         store(state.tension, at.number + j * PACK, where(abs(t) < HUGE, t * inverse_reach, 0.0))
         store3(state.edges, row, PACK, edge[0], edge[1], edge[2])
-        end = end[0] + length * edge[0], end[1] + length * edge[1], end[2] + length * edge[2]
+        end = add_scaled(end, length, edge)
         store3(positions, at.position + (j + 2) * ROW, W, end[0], end[1], end[2])
         if needs.solids:
             f = load3(state.force, row, PACK)
@@ -94,27 +92,19 @@ def finish(s, at, next_pack, state, bends, step, needs, c, met, shift):
 def normalise(s, j, edges, row, correction, bad, rounding):
     """Bring edge j to unit length, after its beginning has moved by the ``correction``; return by how much its end
     moves, and in which lanes this edge or one before it has no direction: it stays as it was."""
-    x, y, z = load3(s.edge, 3 * j, 1)
-    x -= correction[0]
-    y -= correction[1]
-    z -= correction[2]
-    q = x * x + y * y + z * z
+    edge = less(load3(s.edge, 3 * j, 1), correction)
+    q = dot(edge, edge)
     size = sqrt(max(q, TINY))
     exact = abs(1.0 - q) < rounding  # else every step would round it anew, and strands never come to rest
-    f = where(exact, 1.0, 1.0 / size)
-    g = where(exact, 0.0, (1.0 - q) / (q + size))  # f - 1
-    dx, dy, dz = g * x, g * y, g * z
-    x *= f
-    y *= f
-    z *= f
+    by = scaled(where(exact, 0.0, (1.0 - q) / (q + size)), edge)
+    edge = scaled(where(exact, 1.0, 1.0 / size), edge)
     good = (q > LEAST_SQUARE) & (q < HUGE * HUGE)
     if any_lane(~good):
+        zero = broadcast(q, 0.0)
         bad = bad | ~good
-        old = load3(edges, row, PACK)
-        x, y, z = where(good, x, old[0]), where(good, y, old[1]), where(good, z, old[2])
-        dx, dy, dz = where(good, dx, 0.0), where(good, dy, 0.0), where(good, dz, 0.0)
-    store3(s.edge, 3 * j, 1, x, y, z)
-    return (dx, dy, dz), bad
+        edge, by = select(good, edge, load3(edges, row, PACK)), select(good, by, (zero, zero, zero))
+    store3(s.edge, 3 * j, 1, edge[0], edge[1], edge[2])
+    return by, bad
 
 
 @device
@@ -128,13 +118,11 @@ def mark_changes(s, at, state, needs, c):
         row = at.edge + j * AXES
         x, y, z = load3(state.force, row, PACK)
         before = (abs(x) + abs(y) + abs(z)) > 0.0
-        x, y, z = load3(s.force, 3 * j, 1)
-        u, v, w = load3(s.normal, 3 * j, 1)
-        now = (load(s.active, j) > 0.0) & (x * u + y * v + z * w >= 0.0)
+        force = load3(s.force, 3 * j, 1)
+        now = (load(s.active, j) > 0.0) & (dot(force, load3(s.normal, 3 * j, 1)) >= 0.0)
         changed = where((before & ~now) | (now & ~before), 1.0, changed)
-        store3(
-            state.force, row, PACK, where(now, scale * x, 0.0), where(now, scale * y, 0.0), where(now, scale * z, 0.0)
-        )
+        x, y, z = select(now, scaled(scale, force), (zero, zero, zero))
+        store3(state.force, row, PACK, x, y, z)
         if needs.segments:
             store(state.share, at.number + j * PACK, load(s.share, j))
     return changed

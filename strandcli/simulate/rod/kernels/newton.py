@@ -24,6 +24,7 @@ from ....jit import device, inlined
 from ....simd import any_lane, broadcast, load, load3, sqrt, store, store3, where
 from ...contact.kernels import find
 from . import rest_shape, tension
+from .vectors import combined, dot, less, scaled, select, sum_of
 
 MASS_SHARE = 0.9 / 4
 """θ/4: the share of the mass that compression may use up in H."""
@@ -104,25 +105,17 @@ def apply_change(s, n):
     greatest |z|²."""
     worst = broadcast(s.pivot, 0.0)
     total = most = worst
-    x, y, z = worst, worst, worst
-    u, v, w = worst, worst, worst
+    y = z = worst, worst, worst
     for j in range(n):
-        # back substitution: (x, y, z) = z_j by z_{j−1} and (u, v, w) = y_{j−1}
-        f, g = load(s.edge_factor, j), load(s.particle_factor, j)
-        a, b, c = load3(s.load, 3 * j, 1)
-        x, y, z = f * x - g * u - a, f * y - g * v - b, f * z - g * w - c
-        u += x
-        v += y
-        w += z
-        most = max(most, x * x + y * y + z * z)
-        dx, dy, dz = load3(s.inertial, 3 * j, 1)
-        store3(s.inertial, 3 * j, 1, dx - u, dy - v, dz - w)
-        ex, ey, ez = load3(s.edge, 3 * j, 1)
-        ex += x
-        ey += y
-        ez += z
-        store3(s.edge, 3 * j, 1, ex, ey, ez)
-        error = abs(ex * ex + ey * ey + ez * ez - 1.0)
+        # back substitution by z_{j−1} and y_{j−1}
+        z = less(combined(load(s.edge_factor, j), z, load(s.particle_factor, j), y), load3(s.load, 3 * j, 1))
+        y = sum_of(y, z)
+        most = max(most, dot(z, z))
+        left = less(load3(s.inertial, 3 * j, 1), y)
+        store3(s.inertial, 3 * j, 1, left[0], left[1], left[2])
+        edge = sum_of(load3(s.edge, 3 * j, 1), z)
+        store3(s.edge, 3 * j, 1, edge[0], edge[1], edge[2])
+        error = abs(dot(edge, edge) - 1.0)
         error = where(error < GREATEST_ERROR, error, GREATEST_ERROR)
         worst = max(worst, error)
         total += error
@@ -134,22 +127,16 @@ def retract(s, n, chosen):
     """Bring the edges of the ``chosen`` lanes back to unit length, root to tip; one without a length takes the
     direction of the edge before it."""
     zero = broadcast(s.pivot, 0.0)
-    sx, sy, sz = zero, zero, zero  # by how much the particle has moved
+    none = shift = zero, zero, zero  # by how much the particle has moved
     for j in range(n):
-        x, y, z = load3(s.edge, 3 * j, 1)
-        px, py, pz = load3(s.edge, 3 * j - 3, 1)
-        square = x * x + y * y + z * z
-        f = 1.0 / sqrt(max(square, TINY)) - 1.0
-        lost = square < TINY
-        dx = where(chosen, where(lost, px, x * f), 0.0)
-        dy = where(chosen, where(lost, py, y * f), 0.0)
-        dz = where(chosen, where(lost, pz, z * f), 0.0)
-        store3(s.edge, 3 * j, 1, x + dx, y + dy, z + dz)
-        sx += dx
-        sy += dy
-        sz += dz
-        x, y, z = load3(s.inertial, 3 * j, 1)
-        store3(s.inertial, 3 * j, 1, x - sx, y - sy, z - sz)
+        edge = load3(s.edge, 3 * j, 1)
+        square = dot(edge, edge)
+        back = scaled(1.0 / sqrt(max(square, TINY)) - 1.0, edge)
+        by = select(chosen, select(square < TINY, load3(s.edge, 3 * j - 3, 1), back), none)
+        edge, shift = sum_of(edge, by), sum_of(shift, by)
+        store3(s.edge, 3 * j, 1, edge[0], edge[1], edge[2])
+        left = less(load3(s.inertial, 3 * j, 1), shift)
+        store3(s.inertial, 3 * j, 1, left[0], left[1], left[2])
 
 
 @device
@@ -215,25 +202,20 @@ def sweep_to_root(s, n, material, stiffness, changed, factored, touching, whole,
             store(s.pivot, j, i)
             store(s.edge_factor, j, f)
             store(s.particle_factor, j, h)
-        x = set_load(s, j, 0, t, mass, k, (p[0], q[0], bend[0], force[0]))
-        y = set_load(s, j, 1, t, mass, k, (p[1], q[1], bend[1], force[1]))
-        z = set_load(s, j, 2, t, mass, k, (p[2], q[2], bend[2], force[2]))
-        p = x[0], y[0], z[0]
-        q = x[1], y[1], z[1]
-        bend = x[2], y[2], z[2]
-        force = x[3], y[3], z[3]
+        p, q, bend, force = set_load(s, j, t, mass, k, (p, q, bend, force))
     return lost
 
 
 @inlined
-def set_load(s, j, c, tension, mass, stiffness, after):
-    """Set coordinate c of the load g of segment j. ``after``: p and q of V, b and f of the segment after it. Returns
-    the same of this one."""
+def set_load(s, j, tension, mass, stiffness, after):
+    """Set the load g of segment j. ``after``: p and q of V, b and f of the segment after it. Returns the same of this
+    one."""
     p, q, bend, force = after
-    edge = load(s.edge, 3 * j + c)
-    b = stiffness * (edge - load(s.edge, 3 * j - 3 + c) - load(s.rest, 3 * j + c))
-    f = tension * edge + (b - bend) - load(s.firm, 4 * j + c)
-    p -= mass * load(s.inertial, 3 * j + c) + (force - f)
-    sum = p + q
-    store(s.load, 3 * j + c, load(s.pivot, j) * sum)
-    return p - load(s.particle_factor, j) * sum, load(s.edge_factor, j) * sum, b, f
+    edge = load3(s.edge, 3 * j, 1)
+    b = scaled(stiffness, less(less(edge, load3(s.edge, 3 * j - 3, 1)), load3(s.rest, 3 * j, 1)))
+    f = less(sum_of(scaled(tension, edge), less(b, bend)), load3(s.firm, 4 * j, 1))
+    p = less(p, sum_of(scaled(mass, load3(s.inertial, 3 * j, 1)), less(force, f)))
+    sums = sum_of(p, q)
+    own = scaled(load(s.pivot, j), sums)
+    store3(s.load, 3 * j, 1, own[0], own[1], own[2])
+    return less(p, scaled(load(s.particle_factor, j), sums)), scaled(load(s.edge_factor, j), sums), b, f

@@ -22,7 +22,7 @@ from ....jit import device, inlined
 from ....simd import any_lane, broadcast, load, load3, sqrt, store, store3, where
 from ....simd.turning import cosine_sine
 from .arrays import AXES, PACK
-from .vectors import cross, dot, matrix_product
+from .vectors import add_scaled, combined, cross, dot, less, matrix_product, scaled, select, sum_of
 
 GREATEST_TWIST_CHANGE = 3.0
 """Radians that ψ changes by in an iteration at the most."""
@@ -49,14 +49,14 @@ def begin(s, at, state, material, step, c):
 @device
 def change_edges(s, at, state, c, factor):
     """Add what edges have changed by in the step before to them, times a factor."""
-    px, py, pz = load3(state.moved, at.edge, PACK)
+    past = load3(state.moved, at.edge, PACK)
     for j in range(1, at.segments):
-        x, y, z = load3(state.moved, at.edge + j * AXES, PACK)
-        u, v, w = c.inverse_length * (x - px), c.inverse_length * (y - py), c.inverse_length * (z - pz)
-        f = factor * min(MOST_CHANGE / sqrt(max(u * u + v * v + w * w, TINY)), 1.0)
-        px, py, pz = x, y, z
-        x, y, z = load3(s.edge, 3 * j, 1)
-        store3(s.edge, 3 * j, 1, x + f * u, y + f * v, z + f * w)
+        moved = load3(state.moved, at.edge + j * AXES, PACK)
+        by = scaled(c.inverse_length, less(moved, past))
+        f = factor * min(MOST_CHANGE / sqrt(max(dot(by, by), TINY)), 1.0)
+        past = moved
+        edge = add_scaled(load3(s.edge, 3 * j, 1), f, by)
+        store3(s.edge, 3 * j, 1, edge[0], edge[1], edge[2])
 
 
 @device
@@ -72,49 +72,40 @@ def transport_frames(s, at, state, material, step):
     """Transport frames along the present edges from the root to the tip: set `Scratch.target` by the last ψ, and
     eliminate the torques about edges, linear in ψ."""
     n, bend, bends, joint = at.segments, at.bend, material.bends, material.joint
-    tx, ty, tz = load3(s.edge, -3, 1)
-    ax, ay, az = matrix_product(step.rotation, load3(bends, bend, PACK))
-    zero = broadcast(s.pivot, 0.0)
-    angle = zero
-    a = zero
-    b = zero
+    before = load3(s.edge, -3, 1)
+    normal = matrix_product(step.rotation, load3(bends, bend, PACK))
+    angle = a = b = broadcast(s.pivot, 0.0)
     for j in range(n):
         _, v, w = load3(bends, bend + (j + 1) * AXES, PACK)
         c, d = cosine_sine(angle)
-        bx, by, bz = ty * az - tz * ay, tz * ax - tx * az, tx * ay - ty * ax
-        ex, ey, ez = direction(load3(s.edge, 3 * j, 1), (tx, ty, tz))
-        f, g = ax * ex + ay * ey + az * ez, bx * ex + by * ey + bz * ez
+        other = cross(before, normal)
+        edge = direction(load3(s.edge, 3 * j, 1), before)
         v, w = v * c - w * d, v * d + w * c
-        store3(s.target, 3 * j, 1, v * ax + w * bx, v * ay + w * by, v * az + w * bz)
-        turn, stiff = torque(f, g, v, w)
+        target = add_scaled(scaled(v, normal), w, other)
+        store3(s.target, 3 * j, 1, target[0], target[1], target[2])
+        turn, stiff = torque(dot(normal, edge), dot(other, edge), v, w)
         if j > 0:
-            before = step.torsion * (joint[j - 1] if j > 1 else step.root_twist)
+            nearer = step.torsion * (joint[j - 1] if j > 1 else step.root_twist)
             after = step.torsion * joint[j] if j + 1 < n else 0.0
             stiff = joint[j] * stiff
-            over = 1.0 / (before * (1.0 - b) + after + stiff)
-            a = (joint[j] * turn + stiff * angle + before * a) * over
+            over = 1.0 / (nearer * (1.0 - b) + after + stiff)
+            a = (joint[j] * turn + stiff * angle + nearer * a) * over
             b = after * over
             store(s.twist_offset, j, a)
             store(s.twist_factor, j, b)
         store(s.twist, j, angle)
         angle = load(state.twist, at.number + j * PACK)
-        rate = 1.0 / max(1.0 + tx * ex + ty * ey + tz * ez, LEAST_FOLD)
+        rate = 1.0 / max(1.0 + dot(before, edge), LEAST_FOLD)
         store(s.fold, j, rate)
-        ax, ay, az = carried(ax, ay, az, (rate * (tx + ex), rate * (ty + ey), rate * (tz + ez)), (ex, ey, ez))
-        tx = ex
-        ty = ey
-        tz = ez
+        normal = carried(normal, scaled(rate, sum_of(before, edge)), edge)
+        before = edge
 
 
 @inlined
 def direction(edge, before):
     """An edge of unit length; one without a length takes the direction of the one before."""
     square = dot(edge, edge)
-    f = 1.0 / sqrt(max(square, TINY))
-    lost = square < TINY
-    return (
-        where(lost, before[0], f * edge[0]), where(lost, before[1], f * edge[1]), where(lost, before[2], f * edge[2]),
-    )  # fmt: skip
+    return select(square < TINY, before, scaled(1.0 / sqrt(max(square, TINY)), edge))
 
 
 @device
@@ -125,53 +116,45 @@ def add_reactions(s, at, state, material, step, c, first):
     share = 1.0 - c.damped  # of κ, that of the material without damping
     firm = 0.5 * (step.torsion + FIRMEST) * share * c.stiffness
     zero = broadcast(s.pivot, 0.0)
-    sx, sy, sz = zero, zero, zero  # κ (m − e) of the joint after
-    nx, ny, nz = zero, zero, zero  # the edge after it
-    bx, by, bz = zero, zero, zero  # sum of the forces on edges so far
+    none = zero, zero, zero
+    stress = none  # κ (m − e) of the joint after
+    next = none  # the edge after it
+    sums = none  # of the forces on edges so far
     after = zero  # q / (1 + e·e') of the joint after
     angle = zero
     turn_after = zero  # κ θ² of the joint after
-    before = load3(s.edge, 3 * n - 6, 1)
-    ex, ey, ez = direction(load3(s.edge, 3 * n - 3, 1), before)
+    edge = direction(load3(s.edge, 3 * n - 3, 1), load3(s.edge, 3 * n - 6, 1))
     for j in range(n - 1, -1, -1):
-        px, py, pz = direction(load3(s.edge, 3 * j - 3, 1), load3(s.edge, -3, 1))
+        before = direction(load3(s.edge, 3 * j - 3, 1), load3(s.edge, -3, 1))
         past = load(s.twist, j)
-        now = zero
-        q = zero
+        now = q = zero
         if j > 0:
             now = load(s.twist_offset, j) + load(s.twist_factor, j) * angle
             now = past + min(max(now - past, -GREATEST_TWIST_CHANGE), GREATEST_TWIST_CHANGE)
             store(state.twist, at.number + (j - 1) * PACK, now)
-        rate = min(load(s.fold, j), 1.0 / FOLD)
         if j + 1 < n:
             q = (step.torsion * joint[j]) * (now - angle)
-        q = q * rate
+        q = q * min(load(s.fold, j), 1.0 / FOLD)
         angle = now
         # moment and twist torque of the joint after, and the twist torque of this one
-        fx, fy, fz = cross((ex, ey, ez), (after * nx - q * px, after * ny - q * py, after * nz - q * pz))
-        f = sx * ex + sy * ey + sz * ez
-        g = 1.0 - (nx * ex + ny * ey + nz * ez)
-        bx += fx + f * (nx - ex) + g * sx
-        by += fy + f * (ny - ey) + g * sy
-        bz += fz + f * (nz - ez) + g * sz
+        twisted = cross(edge, combined(after, next, q, before))
+        pulled = add_scaled(twisted, dot(stress, edge), less(next, edge))
+        sums = sum_of(sums, add_scaled(pulled, 1.0 - dot(next, edge), stress))
         # this joint's rest vector
-        x, y, z = load3(s.target, 3 * j, 1)
-        square = x * x + y * y + z * z
-        x, y, z = rest_vector((px, py, pz), (x, y, z), load(material.bends, at.bend + (j + 1) * AXES), now - past)
-        f = joint[j]
-        sx, sy, sz = f * (x + px - ex), f * (y + py - ey), f * (z + pz - ez)
-        turn = f * square
+        across = load3(s.target, 3 * j, 1)
+        rest = rest_vector(before, across, load(material.bends, at.bend + (j + 1) * AXES), now - past)
+        stress = scaled(joint[j], less(sum_of(rest, before), edge))
+        turn = joint[j] * dot(across, across)
         f = firm * (turn + turn_after)
         if first:
             store(s.tension, j, load(s.tension, j) + f)
             store(s.firm, 4 * j + 3, f)
-        store3(s.firm, 4 * j, 1, f * ex, f * ey, f * ez)
+        store3(s.firm, 4 * j, 1, f * edge[0], f * edge[1], f * edge[2])
         turn_after = turn
-        f = share / joint[j]
-        u, v, w = load3(s.damped, 3 * j, 1)
-        store3(s.rest, 3 * j, 1, u + share * x + f * bx, v + share * y + f * by, w + share * z + f * bz)
-        nx, ny, nz = ex, ey, ez
-        ex, ey, ez = px, py, pz
+        rest = add_scaled(add_scaled(load3(s.damped, 3 * j, 1), share, rest), share / joint[j], sums)
+        store3(s.rest, 3 * j, 1, rest[0], rest[1], rest[2])
+        next = edge
+        edge = before
         after = q
 
 
@@ -179,11 +162,8 @@ def add_reactions(s, at, state, material, step, c, first):
 def rest_vector(before, across, along, turned):
     """The rest vector of a joint after the edge ``before``: ``along`` that, and what is ``across`` it after its frame
     has ``turned`` by an angle."""
-    px, py, pz = before
-    x, y, z = across
     c, d = cosine_sine(turned)
-    wx, wy, wz = cross(before, across)
-    return along * px + c * x + d * wx, along * py + c * y + d * wy, along * pz + c * z + d * wz
+    return add_scaled(add_scaled(scaled(along, before), c, across), d, cross(before, across))
 
 
 @inlined
@@ -199,16 +179,13 @@ def torque(x, y, v, w):
 
 
 @inlined
-def carried(ax, ay, az, fold, edge):
+def carried(normal, fold, edge):
     """A normal in parallel transport from an edge t to the next one e: the rotation that takes t to e takes a to
     a − (a·e) (t + e) / (1 + t·e). ``fold``: (t + e) / (1 + t·e)."""
-    f = ax * edge[0] + ay * edge[1] + az * edge[2]
-    ax -= f * fold[0]
-    ay -= f * fold[1]
-    az -= f * fold[2]
-    q = ax * ax + ay * ay + az * az
-    f = 1.5 - 0.5 * q  # 1 / √q: what is carried keeps its length, but for rounding and folds
-    folded = abs(q - 1.0) > NEARLY
+    normal = add_scaled(normal, -dot(normal, edge), fold)
+    square = dot(normal, normal)
+    f = 1.5 - 0.5 * square  # 1 / √: what is carried keeps its length, but for rounding and folds
+    folded = abs(square - 1.0) > NEARLY
     if any_lane(folded):
-        f = where(folded, 1.0 / sqrt(max(q, TINY)), f)
-    return ax * f, ay * f, az * f
+        f = where(folded, 1.0 / sqrt(max(square, TINY)), f)
+    return scaled(f, normal)

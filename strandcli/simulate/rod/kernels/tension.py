@@ -23,6 +23,8 @@ from ...contact.kernels import law
 from .vectors import (
     add_scaled,
     combined,
+    dot,
+    less,
     less_outer,
     less_symmetric,
     matrix_product,
@@ -95,14 +97,12 @@ def observe(direction, k, mean_edge, noise, mass):
     """1 over the variance of the observation of e·z, and the innovation over that variance. ``k``: covariance of the
     observation with the edge's change z, whose mean is ``mean_edge``; ``noise``: the least variance of an edge of unit
     length."""
-    x, y, z = direction
-    square = x * x + y * y + z * z
+    square = dot(direction, direction)
     short = max(SHORT - square, 0.0) * (1 / mass)
     least = max(noise * square + short, TINY)
-    precision = 1.0 / max(short + x * k[0] + y * k[1] + z * k[2], least)
+    precision = 1.0 / max(short + dot(direction, k), least)
     residual = where(square > 0.25, square * (sqrt(square) - 1.0), 0.5 * (square - 1.0))
-    seen = residual - (x * mean_edge[0] + y * mean_edge[1] + z * mean_edge[2])
-    return precision, seen * precision
+    return precision, (residual - dot(direction, mean_edge)) * precision
 
 
 @inlined
@@ -142,17 +142,13 @@ def smooth_backward(s, j, ahead, mass, touching, whole):
     """Change segment j's τ, and the force of contact on it; return what the segment before it is handed as ``ahead``:
     the adjoints of the means of its particle and its edge, i κ and i B. Called from the tip to the root; the first gets
     zeros."""
-    (mx, my, mz), (wx, wy, wz), (f, g) = ahead
-    dx, dy, dz = load3(s.particle_gain, 3 * j, 1)
-    ex, ey, ez = load3(s.edge_gain, 3 * j, 1)
-    change = load(s.innovation, j) - (dx * mx + dy * my + dz * mz) - (ex * wx + ey * wy + ez * wz)
+    particle, edge, (f, g) = ahead
+    change = load(s.innovation, j) - dot(load3(s.particle_gain, 3 * j, 1), particle)
+    change = change - dot(load3(s.edge_gain, 3 * j, 1), edge)
     store(s.tension, j, load(s.tension, j) + change)
-    wx += mx
-    wy += my
-    wz += mz
-    x, y, z = load3(s.edge, 3 * j, 1)
-    particle = mx - g * wx, my - g * wy, mz - g * wz
-    edge = f * wx + x * change, f * wy + y * change, f * wz + z * change
+    edge = sum_of(edge, particle)
+    particle = less(particle, scaled(g, edge))
+    edge = add_scaled(scaled(f, edge), change, load3(s.edge, 3 * j, 1))
     if touching and any_lane(load(s.active, j) > 0.0):
         particle, edge = law.change_force(s, j, particle, edge, mass, whole)
     return particle, edge, (load(s.edge_factor, j), load(s.particle_factor, j))

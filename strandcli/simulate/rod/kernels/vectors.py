@@ -22,6 +22,12 @@ def cross(a, b):
 
 
 @inlined
+def less(a, b):
+    """Return a − b."""
+    return a[0] - b[0], a[1] - b[1], a[2] - b[2]
+
+
+@inlined
 def add_scaled(a, f, b):
     """Return a + f b."""
     return a[0] + f * b[0], a[1] + f * b[1], a[2] + f * b[2]
