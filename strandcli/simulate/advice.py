@@ -30,8 +30,7 @@ COARSE = 0.01
 SAMPLED_ROOTS = 1000
 """Roots that are tested in each frame between the first and the last, evenly chosen."""
 GRAZED = 0.02
-"""Least share of the roots in a moving solid that is reported; below, the solid only grazes the emitter and releases
-them."""
+"""Least share of the roots in a moving solid that is reported; below, the solid only grazes the emitter."""
 MOST_FRAMES = 1000
 """Frames that are looked at, the last and others, evenly spaced; all of films that have no more."""
 ROUNDED = 1e-12

@@ -14,8 +14,7 @@ if TYPE_CHECKING:
     from .rod.solver import RodSolver
 
 STRETCH_MOST = {"thesis": 100.0, "rod": 0.01}
-"""Greatest error of a segment's length, as a share. The source's strands are tested if a preset lists elasticity; rules
-after it may still stretch them. A rod's lengths are exact except for rounding, which is subtracted."""
+"""Greatest error of a segment's length, as a share; of the source's strands where elasticity is listed."""
 RESIDUAL_MOST = 1.0
 """Greatest error after a solver's iterations, as a share of a segment's length."""
 ROUNDING = float(np.sqrt(3.0) * np.finfo(np.float32).eps)

@@ -32,8 +32,7 @@ TOLERANCE, ENOUGH = 2e-3, 2e-2
 """Of distances at the end of a step, over the thickness: what rounds go on for, and what is enough after `ROUNDS`."""
 ROUNDS = 6
 LEFT = 0.05
-"""The same after the last round, beyond which the step is made in two halves: shorter ones converge. Not where contacts
-yield, whose excess is left on purpose."""
+"""The same after the last round, beyond which the step is made in two halves, but where contacts yield."""
 HALVINGS = 7
 """Times that a step is cut in two at the most."""
 ALIKE = 0.7
@@ -44,8 +43,7 @@ AT_ONCE = 1 << 16
 ANEW = 0.02
 """Excess over the thickness from which on a contact is looked for anew, if it is more than twice that at its place."""
 SETTLED, GAIN = 3, 0.9
-"""Rounds after which a crowd whose contacts yield is left as it is, if the last brought the greatest excess to no less
-than the second, as a share of that before."""
+"""Rounds after which a yielding crowd is left as it is, and the gain of a round on its excess by then."""
 
 Floats = NDArray[np.float64]
 

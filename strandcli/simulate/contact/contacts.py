@@ -14,20 +14,16 @@ from ..rod.kernels.begin import GAIN
 from .kernels import contact_pairs as columns
 
 THROUGH = 0.5
-"""Share of their distance at the begin, or of the thickness where that is less, below which strands that a step leaves
-count as having come through each other."""
+"""Share of their distance at the begin, at most of the thickness, below which strands have come through."""
 ROOM = 2.0
-"""Strands that a segment may have inside of it before contacts yield, each counted by how deep it is, as a share of the
-thickness."""
+"""Strands that a segment may have inside of it before contacts yield, each counted by its depth as a share."""
 YIELD = 1.0
 """By how many times its own response a contact yields for each strand more."""
 STUCK, MOST_URGENT = 0.5, 64.0
 """Share of its excess that a round leaves of a contact from which on its force goes twice as far in the next, and how
-far in the end: linear responses do not know of friction on solids, which holds tips that press each other there until
-forces are greater than it. Were it to grow evenly, rounds would end before, and tips come closer from step to step."""
+far in the end: linear responses do not know of friction on solids, which holds tips that press each other there."""
 STEPS = 2
-"""Steps on end in which strands that press each other may have impacts: after the first they still come toward each
-other. With three or more, strands that slide along each other gain energy."""
+"""Steps on end in which strands that press each other may have impacts; with more, sliding gains energy."""
 EXACT = 0.02
 """Share of their distance by which strands at rest on each other may begin a step too close: rounds leave that."""
 TINY = 1e-30
@@ -111,12 +107,11 @@ class Impacts:
     """Tells the impacts among the contacts of a groom's strands with a ``thickness``, metres, and sets velocities after
     them.
 
-    A force that enters a step of BDF2 with its h of velocities, as gravity does, makes a velocity of 3/2 c / Δt by a
-    displacement c, and BDF2 goes on with it. That is right of forces that last; from an impact strands would spring
-    back with half of the velocity that they come with. So where strands have met anew, what moves a particle by c
-    because they came toward each other when the step began changes its velocity by c / Δt, and BDF2 goes on as though
-    it had always been so much different. By Euler's method the whole strands would lose of their swing. c is the linear
-    response to the forces; positions of the step do not depend on it."""
+    A force that enters a step of BDF2 with its h of velocities makes a velocity of 3/2 c / Δt by a displacement c,
+    and BDF2 goes on with it. That is right of forces that last; from an impact strands would spring back with half
+    of the velocity that they come with. So where strands have met anew, what moves a particle by c changes its
+    velocity by c / Δt, and BDF2 goes on as though it had always been so much different. c is the linear response to
+    the forces."""
 
     def __init__(self, groom: Groom, thickness: float) -> None:
         self._groom, self._thickness = groom, thickness

@@ -19,15 +19,13 @@ if TYPE_CHECKING:
     from .contacts import Contacts
 
 SWEEPS, LEAST_SWEEPS, UPDATES = 200, 30, 100_000
-"""Sweeps of a contact solve at the most: the first where contacts are few, the second at the least, and else as many as
-make so many updates of a contact."""
+"""Sweeps of a contact solve at the most and at the least; between them as many as make so many updates."""
 CROWD_SWEEPS = 10
 """The same where contacts yield: more change nothing."""
 PRECISION = 1e-4
 """Of ways in the contact solve, over the thickness."""
 TRUST = 3.0
-"""Greatest displacement that a round is trusted with, over the thickness or what strands are too close by, whichever
-is greater."""
+"""Greatest displacement that a round is trusted with, over the thickness or the greatest excess."""
 TINY = 1e-30
 IMMOBILE = 1e-9
 """Response, over that of a free particle, below which a contact cannot move anything."""
@@ -43,8 +41,7 @@ class Method(NamedTuple):
     square: Floats
     """(S,) h² by which forces enter it, s²."""
     reach: Floats
-    """(S,) what a force of contact moves a free particle by, over what it would by Euler's method without drag, and
-    times what drag makes of its mass."""
+    """(S,) what a force of contact moves a free particle by, over what it would by Euler's method."""
     gain: Floats
     """(S,) by how much more that of an impact counts, for it does not go on: as by Euler's method."""
 
@@ -69,14 +66,9 @@ class Forces:
         places[strands] = np.arange(len(strands))
         bands = self._factors(strands, self.method, solver)
         contact_response.respond(
-            found.pairs,
-            found.numbers,
-            bands,
-            places,
-            self.lengths / self.method.reach,
-            responses,
+            found.pairs, found.numbers, bands, places, self.lengths / self.method.reach, responses,
             np.empty((BLOCK * n, 3)),
-        )
+        )  # fmt: skip
         responses *= self._gains(found)[:, :, None, None, None]
         self._responses = responses
         contact_solve.own_responses(found.pairs, found.numbers, responses, own)

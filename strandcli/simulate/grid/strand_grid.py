@@ -38,9 +38,7 @@ FRICTION_TIME = 0.01
 EASE, MOST = 15.0, 0.5
 """Share of the density that pressure makes up for a second, and in a step, at the most."""
 INSIDE = 5.0
-"""Times as dense as the preset allows up to which strands may begin; a tie presses them to four or five times that.
-Where they begin closer, as from one point, they could not part at their roots, and pressure would burst them: they may
-stay as dense as they are."""
+"""Times as dense as allowed up to which strands may begin; denser ones could not part, and stay as they are."""
 LEAST_ROOM = np.float32(0.5)
 """Share of a cell that counts as outside of solids at the least, where its density is reported."""
 PARTS, SEGMENTS_A_PART = 16, 4_000
@@ -79,15 +77,16 @@ class StrandGrid:
         self.extent = max(extent_of(positions), float(groom.lengths.max()))  # folded strands reach further
         self._thickness = 2 * matter(scene.rod)[1]
         self.cell = cell_of(scene, groom, parameters.cell, self.extent)
-        self.samples = samples_of(segments_along(scene.rod, n), float(lengths.max()) / self.cell)
-        blocks, count = -(-groom.strands // W), groom.strands * len(self.samples.first) // SEGMENTS_A_PART
+        kind = np.dtype(dtype).type
+        found = samples_of(segments_along(scene.rod, n), float(lengths.max()) / self.cell, kind)
+        blocks, count = -(-groom.strands // W), groom.strands * len(found[0]) // SEGMENTS_A_PART
         cuts = [*range(0, blocks, -(-blocks // min(PARTS, max(1, count)))), blocks]
         self.parts = np.minimum(np.array([cuts[:-1], cuts[1:]]).T * (W // PACK), packs)
         self.boxes = np.zeros((len(self.parts) + 1, records.BOX), np.int64)
         count = max(len(self.parts), numba.get_num_threads())
         self.scratch = aligned((count, records.ROWS, PACK), dtype), aligned((count, records.FOUND * PACK))
-        self._kind = np.dtype(dtype).type
         self._origins = np.empty((len(self.boxes), 3), dtype)
+        self.samples = Samples(*found, kind(1 / self.cell), self._origins, kind(0), kind(1))
         self.unloaded, self.pushed = (on_large_pages((packs, n, AXES), dtype) for _ in range(2))
         """As `Moving` has them."""
         self.memory = np.empty((0, records.CELL), np.float32)
@@ -117,7 +116,9 @@ class StrandGrid:
         moving = Moving(
             state.positions, state.velocity, self.unloaded, self.pushed, state.jolted, roots, self.metres
         )  # fmt: skip
-        samples, whole = self._samples(moment.step), self.boxes[-1]
+        kind, whole = type(self.samples.inverse), self.boxes[-1]
+        again = kind(moment.step / self._last_step if self._last_step else 1.0)
+        samples = self.samples._replace(step=kind(moment.step), again=again)
         most = deposit(
             moving, samples, self.parts, self.boxes, self.memory, self.scratch, self.targets, self.grid, self._most,
             self.near,
@@ -137,13 +138,6 @@ class StrandGrid:
         shares = (samples.mass / samples.step)[:, None] * samples.weights
         shares /= mass[np.clip(particles, 0, len(mass) - 1)]
         accelerate(moving, samples, self.parts, whole, self.targets, self.scratch, shares, state.acceleration)
-
-    def _samples(self, dt: float) -> Samples:
-        """Return how strands are sampled in a step of ``dt`` seconds."""
-        kind, points = self._kind, self.samples
-        again = kind(dt / self._last_step if self._last_step else 1.0)
-        weights, mass = points.weights.astype(kind), points.mass.astype(kind)
-        return Samples(points.first, points.counts, weights, mass, kind(1 / self.cell), self._origins, kind(dt), again)
 
     def begin_anew(self) -> None:
         """Forget what moved strands in the last step, for they have been stopped or put elsewhere."""

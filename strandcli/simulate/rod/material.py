@@ -16,12 +16,10 @@ MATERIALS = {
     "grass": (700.0, 6.0e-4, 5.0e8),
 }
 STIFFEST = 1e30
-"""Upper bound of a joint's rigidity, 1/s²: beyond it no step of time shows a bend, and single precision overflows
-soon."""
+"""Upper bound of a joint's rigidity, 1/s²: beyond it no step of time shows a bend."""
 
 TORSION = {False: 4.0, True: 0.75}
-"""Torsional over bending rigidity; True: of grooms with coils, whose springing is that of a round rod. Straight strands
-get more, because nothing else resists twist."""
+"""Torsional over bending rigidity; True: of grooms with coils. Nothing else of straight strands resists twist."""
 CELLS_ACROSS = 32
 """Cells of the rule interaction along the groom's greatest extent, where the preset gives no cell."""
 MOST_SAMPLES = 64

@@ -79,8 +79,7 @@ TILT = np.radians(30)
 SAFETY = 1.5
 """Factor of their weight at this tilt."""
 TURNS = np.pi / 2
-"""Greatest angle, radians, between natural and emitted shape if torsional and bending rigidity are equal. It is
-proportional to the square root of their ratio, as is the load of lateral buckling (Prandtl 1899)."""
+"""Greatest angle, radians, between natural and emitted shape, times the root of `torsion` (Prandtl 1899)."""
 HALVINGS = 40
 """Bisections of the range of the least stiffness, on a logarithmic scale."""
 

@@ -1,10 +1,9 @@
 """Roots that move in the emitter's frame, jump or are hinged: where strands begin, the frames of their rest shapes, and
 how strands are taken along rigidly.
 
-A hinge holds neither a direction nor an angle about it. Behind one, frames begin with the first edge as it is before a
-step, and so are transported in time (Bergou et al. 2008, "Discrete Elastic Rods", §4.2). Were they transported from the
-direction of emission, they would turn the faster about the edge the nearer it came to be opposite to that, which twist
-cannot follow."""
+A hinge has neither a direction nor an angle about it. Behind one, frames begin with the first edge as it is before a
+step, and so are transported in time (Bergou et al. 2008, "Discrete Elastic Rods", §4.2).
+"""
 
 from __future__ import annotations
 

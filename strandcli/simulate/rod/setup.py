@@ -28,12 +28,9 @@ if TYPE_CHECKING:
 Floats = NDArray[np.float64]
 
 CLAMP, ANCHOR = 2.0, 1e-3
-"""Relative rigidity against twist of a clamped root, which has half a segment before its joint, and of a hinged one.
-Strands that are straight have none else against turning about themselves, and single precision needs some; the axis
-does not remember it."""
+"""Relative rigidity against twist of a clamped root, with half a segment before its joint, and a hinged one."""
 HINGE = 1e-9
-"""Relative rigidity of a hinged root whose strand is curled: what its rest shape does to the first edge is written as a
-bend of that joint, which must not have none. Greater ones hold stiff strands up."""
+"""Relative rigidity of a hinged root whose strand is curled: its reaction is written as a bend of that joint."""
 
 
 class Matter(NamedTuple):
@@ -110,15 +107,6 @@ def needs_of(scene: Scene, shape: Shape, around: Surroundings, deforming: bool) 
         shape.curled, around.any_solids, around.segments, deforming, False,
         "interaction" in rules or "contact" in rules, "contact" in rules,
     )  # fmt: skip
-
-
-def hinged(scene: Scene, matter: Matter, shape: Shape) -> Matter:
-    """Return the material with the root's joint as ``rod.root`` asks for."""
-    if scene.rod.root == "clamped":
-        return matter
-    joint = matter.joint.copy()
-    joint[0] = HINGE if shape.curled else 0.0
-    return matter._replace(joint=joint)
 
 
 def world_edges(shape: Shape, pose: Pose) -> Iterator[Floats]:
@@ -224,22 +212,19 @@ class Pins:
     def aim(self, state: State, drive: Drive, poses: tuple[Pose, Pose]) -> None:
         """Set `Drive.tips` to the displacement of tips to where they are to be at the end of a step, with the emitter
         in two ``poses``, at the begin and the end."""
-        pose = poses[1]
-        goals = np.einsum("ij,pjk->pik", np.array(pose.rotation), self.places) + np.array(pose.translation)[:, None]
-        roots = self._roots(drive, pose)
+        roots, goals = (self._placed(one, poses[1]) for one in (drive.roots.reshape(-1, 3, PACK), self.places))
         far, most = np.linalg.norm(goals - roots, axis=1), self._longest
         # no iteration finds lengths for a place out of reach, nor with slack for a taut strand that is shaken
         goals = roots + (goals - roots) * np.minimum(1, most / np.maximum(far, most))[:, None]
         drive.tips[...] = (goals - self._ends(state, drive, poses[0])).reshape(drive.tips.shape)
 
     def _ends(self, state: State, drive: Drive, pose: Pose) -> NDArray[np.float64]:
-        """Return (P, 3, `PACK`) where edges lead from roots. Positions are rounded more far from the origin, and a taut
-        strand has no way to go by that."""
+        """Return (P, 3, `PACK`) where edges lead from roots, for positions are rounded more far from the origin."""
         edges = state.edges.sum(1, dtype=np.float64).reshape(len(state.edges), 3, PACK)
-        return self._roots(drive, pose) + edges * self._lengths[:, None]
+        return self._placed(drive.roots.reshape(-1, 3, PACK), pose) + edges * self._lengths[:, None]
 
     @staticmethod
-    def _roots(drive: Drive, pose: Pose) -> NDArray[np.float64]:
-        """Return (P, 3, `PACK`) roots, with the emitter in a pose."""
-        roots = drive.roots.reshape(len(drive.roots), 3, PACK).astype(np.float64)
-        return np.einsum("ij,pjk->pik", np.array(pose.rotation), roots) + np.array(pose.translation)[:, None]
+    def _placed(points: NDArray[Any], pose: Pose) -> NDArray[np.float64]:
+        """Return points (P, 3, `PACK`) of the emitter's frame, with the emitter in a pose."""
+        turn, shift = np.array(pose.rotation), np.array(pose.translation)
+        return np.einsum("ij,pjk->pik", turn, points.astype(np.float64)) + shift[:, None]

@@ -1,9 +1,7 @@
-"""The production solver: inextensible rods with mass and bending stiffness, solved implicitly.
+"""The production solver: inextensible rods with mass and bending stiffness, solved implicitly (`docs/solvers.md`).
 
-See `kernels.newton` for the model. A rod's shape at rest does not depend on the time step, and hardly on the number of
-particles. Of a scene's rules it applies emitter motion, gravity, wind (whose strength is here the speed of the air in
-m/s), interaction, contact and collision. Elasticity and stiffness are its own: edges keep their length exactly, and
-bending follows from the material, as does the twist of curled strands.
+Of a scene's rules it applies emitter motion, gravity, wind (whose strength is here the speed of the air in m/s),
+interaction, contact and collision. Elasticity and stiffness are its own.
 """
 
 from __future__ import annotations
@@ -32,9 +30,9 @@ from .setup import (
     ANCHOR,
     CLAMP,
     HEAVY,
+    HINGE,
     Pins,
     drive_of,
-    hinged,
     material_of,
     matter_of,
     needs_of,
@@ -54,8 +52,7 @@ if TYPE_CHECKING:
 FEWEST_BY_EDGES = 12
 """Segments beyond which stretch is measured at the solver's own edges: positions in single precision do not tell."""
 TOLERANCES = {False: 1.8e-3, True: 1e-12}
-"""Error of |e|² at which iterations stop, as `kernels.newton` measures it, by whether double precision is asked for. Of
-most strands the error is far less than of the worst."""
+"""Error of |e|² at which iterations stop, by whether double precision is asked for."""
 MOMENT = 1e-6
 """Seconds in which nothing moves but what is put elsewhere."""
 APPLIED = ("emitter_motion", "gravity", "wind", "interaction", "contact", "collision")
@@ -82,7 +79,8 @@ class RodSolver(Solver):
         self.surroundings = Surroundings(scene, self.dtype)
         self.pose = self.surroundings.pose(0.0)
         shape = shape_of(scene, groom, self.dtype)
-        matter = hinged(scene, matter, shape)
+        if rod.root == "hinged":
+            matter.joint[0] = HINGE if shape.curled else 0.0
         if shape.mended:
             for j, edge in enumerate(world_edges(shape, self.pose)):
                 self.positions[:, j + 2] = self.positions[:, j + 1] + np.tile(self.lengths, 3) * lanes(edge)
@@ -139,14 +137,10 @@ class RodSolver(Solver):
         found = {} if self.contact is None else self.contact.state_arrays()
         return {**super().state_arrays(), **state, **self.roots.state_arrays(), **last, **grid, **found}
 
-    def check(self, state: Mapping[str, NDArray[Any]], frame: int) -> None:
-        """Raise `ValueError` for a state that is none of a frame."""
-        super().check(state, frame)
-        if self.grid is not None:
-            self.grid.check(state)
-
     def restore(self, state: Mapping[str, NDArray[Any]]) -> None:
         """Go on from such a state."""
+        if self.grid is not None:
+            self.grid.check(state)
         self.roots.restore(state)
         super().restore(state)
         for name, one in self.state._asdict().items():

@@ -19,37 +19,29 @@ if TYPE_CHECKING:
 Floats = NDArray[np.float64]
 
 LOSS = 0.028
-"""Share of its amplitude at the beginning of a cycle that a strand's slowest swing may lose in it, beyond what drag and
-damping take: 3 %, less what a frequency that is off by 2 % makes of it."""
+"""Share of its amplitude that a strand's slowest swing may lose in a cycle, beyond what drag and damping take."""
 FRAMES = 3
 """Frames that the film shows of a cycle at the least; of faster swings it shows none, and steps are no shorter."""
 MOST_PARTS = 5
 """Parts that a step is cut into at the most: as many as a swing of `FRAMES` frames takes."""
 STRAGGLERS = 0.05
-"""Share of the length of all strands in which swings may lose more, the fastest: a few short strands must not make
-steps shorter for a groom."""
+"""Share of the length of all strands whose swings may lose more: the fastest."""
 SEGMENTS = 24
 """Segments from which on frequencies hardly depend on their number."""
 RATIOS = 1e-4, 1e8
 """Of κ to g / ℓ, between which frequencies depend on both."""
 STANDS = 1.05
-"""Square of the frequency by bending over what weight adds to it above which a strand keeps the direction that it is
-clamped in. One that points up buckles at 1 (Greenhill 1881); limper ones hang."""
+"""Square of the bending frequency over what weight adds to it above which a strand stays upright."""
 SHORTEST_SPAN = 0.2
 """Distance between the ends of a curled strand over its length, at the least: ends that meet say nothing of a swing."""
 
 
-def losses(turns: Floats) -> Floats:
-    """Return the share of its amplitude that an oscillation loses in a cycle by the steps of BDF2, by ω Δt = ``turns``
-    up to `FRAMES` frames a cycle: (1 − θ) / 4 (ω Δt)⁴ a step, less of long ones (by a fit, to 7 % of it)."""
-    return np.asarray(-np.expm1(-math.pi / 2 * (1 - BLEND) * turns**3 / (1 + turns**2 / 2)))
-
-
 def longest_turn(loss: Floats) -> Floats:
-    """Return the greatest ω Δt at which a cycle takes no more than each ``loss``; infinity where none up to `FRAMES`
-    frames does."""
+    """Return the greatest ω Δt at which a cycle takes no more than each ``loss`` of its amplitude; infinity where none
+    up to `FRAMES` frames does. A step of BDF2 takes (1 − θ) / 4 (ω Δt)⁴, a long one less (by a fit, to 7 % of it)."""
     turns = np.linspace(0.02, 2 * math.pi / FRAMES, 200)
-    return np.interp(loss, losses(turns), turns, right=np.inf)
+    lost = -np.expm1(-math.pi / 2 * (1 - BLEND) * turns**3 / (1 + turns**2 / 2))
+    return np.interp(loss, lost, turns, right=np.inf)
 
 
 def slowest(mass: Floats, joint: Floats, ratios: Floats) -> tuple[float, Floats]:

@@ -1,10 +1,9 @@
 """Collision: a particle inside a solid is put onto its surface (thesis §2).
 
 For a sphere p_i' = p_i + (r − |p_i − o|) n, n = (p_i − o) / |p_i − o|, when |p_i − o| < r; not the root. A particle at
-the very centre has no direction and leaves upward. Capsules, planes and boxes follow the same form: along the gradient
-of the distance to the surface. Point based as in the source, so a long segment can cut through a solid; with
-``segments: true`` the deepest point of the segment is found as well and the segment is turned until that point is out,
-and at the end of the step particles are put out once more.
+the very centre leaves upward. Other shapes follow the same form: along the gradient of the distance to the surface.
+With ``segments: true`` the segment is turned until its deepest point is out, and at the end of the step particles are
+put out once more.
 """
 
 from __future__ import annotations

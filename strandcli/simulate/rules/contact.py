@@ -1,9 +1,5 @@
-"""Contact: strands do not pass through each other, and rub on each other, for scenes where few strands matter.
-
-Nearest segments are found by a uniform grid, and their forces with Coulomb's friction, strand against strand (after
-Daviet et al. 2011), which `strandcli.simulate.contact` does within the step of the solver `rod`. For many strands, rule
-`interaction` does it cheaper and by the mean.
-"""
+"""Contact: strands do not pass through each other, and rub on each other, for scenes where few strands matter (after
+Daviet et al. 2011). For many strands, rule `interaction` does it cheaper and by the mean."""
 
 from __future__ import annotations
 

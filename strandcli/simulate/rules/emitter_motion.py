@@ -1,8 +1,7 @@
 """Emitter motion: p_0' = p_0 + Δemitter (thesis §2), turned as well as moved.
 
-The only rule that moves the root; elasticity drags the rest along. Roots are placed from the emitter's own frame, so
-nothing drifts however long the animation; the direction that the strand is clamped to turns with it. It acts on the
-root before any rule acts on the particles after it, wherever the preset lists it.
+Roots are placed from the emitter's own frame, so nothing drifts however long the animation. It acts on the root before
+any rule acts on the particles after it, wherever the preset lists it.
 """
 
 from __future__ import annotations
@@ -30,19 +29,12 @@ class Parameters:
 
 def apply(clamp: Any, root: Any, rest_clamp: Any, rest_root: Any, p: Any) -> None:
     """Write a strand's root and the row before it from their positions in the emitter's frame; p: columns above."""
-    for k in range(W):
-        ax = rest_root[k]
-        ay = rest_root[W + k]
-        az = rest_root[2 * W + k]
-        root[k] = p[ROW_X] * ax + p[ROW_X + 1] * ay + p[ROW_X + 2] * az + p[SHIFT]
-        root[W + k] = p[ROW_Y] * ax + p[ROW_Y + 1] * ay + p[ROW_Y + 2] * az + p[SHIFT + 1]
-        root[2 * W + k] = p[ROW_Z] * ax + p[ROW_Z + 1] * ay + p[ROW_Z + 2] * az + p[SHIFT + 2]
-        bx = rest_clamp[k]
-        by = rest_clamp[W + k]
-        bz = rest_clamp[2 * W + k]
-        clamp[k] = p[ROW_X] * bx + p[ROW_X + 1] * by + p[ROW_X + 2] * bz + p[SHIFT]
-        clamp[W + k] = p[ROW_Y] * bx + p[ROW_Y + 1] * by + p[ROW_Y + 2] * bz + p[SHIFT + 1]
-        clamp[2 * W + k] = p[ROW_Z] * bx + p[ROW_Z + 1] * by + p[ROW_Z + 2] * bz + p[SHIFT + 2]
+    for out, rest in ((root, rest_root), (clamp, rest_clamp)):
+        for k in range(W):
+            x, y, z = rest[k], rest[W + k], rest[2 * W + k]
+            out[k] = p[ROW_X] * x + p[ROW_X + 1] * y + p[ROW_X + 2] * z + p[SHIFT]
+            out[W + k] = p[ROW_Y] * x + p[ROW_Y + 1] * y + p[ROW_Y + 2] * z + p[SHIFT + 1]
+            out[2 * W + k] = p[ROW_Z] * x + p[ROW_Z + 1] * y + p[ROW_Z + 2] * z + p[SHIFT + 2]
 
 
 def idle(parameters: Parameters, scene: Scene) -> str:

@@ -1,8 +1,7 @@
 """Interaction: strands push each other apart where they are too dense, and take on the velocity of those around them.
 
-The source names loosely connected particles as the way on (Bando et al. 2003; thesis §5). Here a grid about the strands
-holds their density and momentum (Petrovic et al. 2005; McAdams et al. 2009). It needs velocities and forces, which the
-source's solver does not have, so the solver `rod` alone applies it; `strandcli.simulate.grid.strand_grid` does.
+A grid about the strands holds their density and momentum (Petrovic et al. 2005; McAdams et al. 2009; thesis §5). It
+needs velocities and forces, so the solver `rod` alone applies it.
 """
 
 from __future__ import annotations

@@ -14,8 +14,7 @@ ONE = np.float32(1)
 TWO = np.float32(2)
 THREE = np.float32(3)
 PULL_X, PULL_Y, PULL_Z, DIRECTION_X, DIRECTION_Y, DIRECTION_Z, GUST, DOWN_X, DOWN_Y, DOWN_Z = range(10)
-"""Columns of p: w Δt² without gusts; w / |w|; the share of the strength that gusts; the mean downwind unit vector over
-the wavelength, 1/m."""
+"""Columns of p: w Δt² without gusts; w / |w|; the share that gusts; mean downwind over the wavelength, 1/m."""
 RATE_1, AMPLITUDE_1, PHASE_1, RATE_2, AMPLITUDE_2, PHASE_2, RATE_3, AMPLITUDE_3, PHASE_3 = range(10, 19)
 """Of each of three waves 1 / scale, its amplitude, and its phase at this time."""
 PER_LENGTH, BY_ANGLE = 19, 20

@@ -1,11 +1,9 @@
 """The source's solver: the rules in the preset's order, once a step (thesis §2), fused into one loop.
 
 The source of a module with one call for each pass is written to the cache folder and imported: Numba then compiles and
-caches it as any other file, absent rules are neither run nor compiled, and rules of other packages are treated alike.
-(Closures over jitted functions would be compiled again in each run, Numba #6264.)
-
-The solver has no velocity, so nothing has inertia; a rule's strength depends on the step; collision is per point; the
-shape depends on the number of particles. These flaws of the source are kept, so that they can be seen and measured.
+caches it as any other file, and absent rules are neither run nor compiled. The solver has no velocity, so nothing has
+inertia; a rule's strength depends on the step; the shape depends on the number of particles. These flaws of the source
+stay, so that they can be seen and measured.
 """
 
 from __future__ import annotations

@@ -12,23 +12,7 @@ import math
 
 from ....jit import device, function, inlined
 from ...rod.kernels.vectors import add_scaled, cross, dot, less, scaled
-from .contact_pairs import (
-    ALPHA,
-    BEGIN,
-    BETA,
-    COUNTS,
-    END,
-    FIRST,
-    FIRST_SEGMENT,
-    GAP,
-    KEPT,
-    NORMAL,
-    SAME,
-    SECOND,
-    SECOND_SEGMENT,
-    START,
-    WANTED,
-)
+from . import contact_pairs as columns
 
 NEAR = 0.9
 """Share of the distance at the begin, or of the thickness where that is less, at which a contact is looked at."""
@@ -38,15 +22,14 @@ TOGETHER = 1e-6
 """Share of the thickness up to which segments have no way between them."""
 ADVANCES = 64
 """Times that are looked at before the rest of the step is cut into pieces."""
-PIECES, BISECTIONS = 8, 40
+PIECES, BISECTIONS = 24, 40
 """Pieces of a step in which segments may pass through each other, and bisections of such a one."""
 BOUND = 4.0
 """Segments from the second on over which strands that begin too close come to be led apart: roots hold them there."""
 SLOPE = 0.1
 """By how much the distance that strands keep grows along them, from that of their roots to their thickness."""
 DEEP = 0.25
-"""Share of the thickness from which on strands are too close when a step begins to be kept on their sides in all of it:
-of a crowd that begins inside each other not all can be, and those that are would be thrown."""
+"""Share of the thickness from which on strands begin too close to be kept on their sides in all of a step."""
 TOUCH = 1e-3
 """Share of the least distance within which segments whose ends lie in a plane pass through each other."""
 OBLIQUE = 0.05
@@ -88,8 +71,8 @@ def nearest_at(start, end, pair, t):
     """Of a pair at a share t of the step the distance, the places on both segments that are nearest to each other, and
     the way from the first to the second (Ericson 2005, §5.1.9). Of parallel segments the places are in the middle of
     what lies side by side."""
-    p = segment_at(start, end, pair[FIRST], pair[FIRST_SEGMENT], t)
-    q = segment_at(start, end, pair[SECOND], pair[SECOND_SEGMENT], t)
+    p = segment_at(start, end, pair[columns.FIRST], pair[columns.FIRST_SEGMENT], t)
+    q = segment_at(start, end, pair[columns.SECOND], pair[columns.SECOND_SEGMENT], t)
     u, v, w = less(p[1], p[0]), less(q[1], q[0]), less(p[0], q[0])
     a, b, c, d, e = max(dot(u, u), TINY), dot(u, v), max(dot(v, v), TINY), dot(u, w), dot(v, w)
     sine = a * c - b * b
@@ -115,12 +98,12 @@ def nearer_before(start, end, strand, j, t, toward):
 def counts(start, end, pair, places, normal, t):
     """Whether the contact of a pair is a nearest place of both strands: at a joint it counts for the segment after it
     alone, and nowhere if the one before it comes nearer."""
-    (alpha, beta), a, b, last = places, pair[FIRST_SEGMENT], pair[SECOND_SEGMENT], start.shape[1] - 2
+    (alpha, beta), a, b, last = places, pair[columns.FIRST_SEGMENT], pair[columns.SECOND_SEGMENT], start.shape[1] - 2
     if (alpha == 1.0 and a < last) or (beta == 1.0 and b < last):
         return False
-    if alpha == 0.0 and a > 0 and nearer_before(start, end, pair[FIRST], a, t, normal):
+    if alpha == 0.0 and a > 0 and nearer_before(start, end, pair[columns.FIRST], a, t, normal):
         return False
-    return not (beta == 0.0 and b > 0 and nearer_before(start, end, pair[SECOND], b, t, scaled(-1.0, normal)))
+    return not (beta == 0.0 and b > 0 and nearer_before(start, end, pair[columns.SECOND], b, t, scaled(-1.0, normal)))
 
 
 @device
@@ -128,11 +111,11 @@ def greatest_speed(start, end, pair):
     """The greatest relative way of the ends of a pair's segments."""
     worst = 0.0
     for i in range(2):
-        a = pair[FIRST_SEGMENT] + i
-        one = less(particle(end, pair[FIRST], a), particle(start, pair[FIRST], a))
+        a = pair[columns.FIRST_SEGMENT] + i
+        one = less(particle(end, pair[columns.FIRST], a), particle(start, pair[columns.FIRST], a))
         for j in range(2):
-            b = pair[SECOND_SEGMENT] + j
-            way = less(less(particle(end, pair[SECOND], b), particle(start, pair[SECOND], b)), one)
+            b = pair[columns.SECOND_SEGMENT] + j
+            way = less(less(particle(end, pair[columns.SECOND], b), particle(start, pair[columns.SECOND], b)), one)
             worst = max(worst, dot(way, way))
     return math.sqrt(worst)
 
@@ -141,7 +124,7 @@ def greatest_speed(start, end, pair):
 def aside(pair, p):
     """A unit vector across the segment p for a pair that lies in one line: it differs from pair to pair, and is the
     same at each step."""
-    turn = 2.399963 * (7.0 * pair[FIRST] + 13.0 * pair[SECOND])
+    turn = 2.399963 * (7.0 * pair[columns.FIRST] + 13.0 * pair[columns.SECOND])
     way = cross(less(p[1], p[0]), (math.cos(turn), math.sin(turn), math.cos(0.7 * turn)))
     return scaled(1.0 / max(math.sqrt(dot(way, way)), TINY), way)
 
@@ -150,11 +133,11 @@ def aside(pair, p):
 def kept_distance(start, pair, lengths, thickness):
     """The distance that segments should keep: that of their roots, which hold them there, and more the further from
     these, up to the thickness."""
-    if pair[FIRST] == pair[SECOND]:
+    if pair[columns.FIRST] == pair[columns.SECOND]:
         return thickness
-    roots = less(particle(start, pair[FIRST], 0), particle(start, pair[SECOND], 0))
-    one = lengths[pair[FIRST]] * pair[FIRST_SEGMENT]
-    other = lengths[pair[SECOND]] * pair[SECOND_SEGMENT]
+    roots = less(particle(start, pair[columns.FIRST], 0), particle(start, pair[columns.SECOND], 0))
+    one = lengths[pair[columns.FIRST]] * pair[columns.FIRST_SEGMENT]
+    other = lengths[pair[columns.SECOND]] * pair[columns.SECOND_SEGMENT]
     return min(thickness, math.sqrt(dot(roots, roots)) + SLOPE * min(one, other))
 
 
@@ -162,8 +145,8 @@ def kept_distance(start, pair, lengths, thickness):
 def across_both(start, end, pair, t):
     """The vector product of a pair's segments at a share t of the step, and its product with the way between their
     beginnings, which changes its sign where the ends lie in a plane (Provot 1997)."""
-    p = segment_at(start, end, pair[FIRST], pair[FIRST_SEGMENT], t)
-    q = segment_at(start, end, pair[SECOND], pair[SECOND_SEGMENT], t)
+    p = segment_at(start, end, pair[columns.FIRST], pair[columns.FIRST_SEGMENT], t)
+    q = segment_at(start, end, pair[columns.SECOND], pair[columns.SECOND_SEGMENT], t)
     across = cross(less(p[1], p[0]), less(q[1], q[0]))
     return across, dot(across, less(q[0], p[0]))
 
@@ -212,14 +195,14 @@ def look_at(start, end, lengths, pair, sizes, number, vector):
     thickness, ease, far = sizes
     found = nearest_at(start, end, pair, 0.0)
     begin, first = found[0], scaled(1.0 / max(found[0], TINY), found[3])
-    number[BEGIN] = begin
+    number[columns.BEGIN] = begin
     speed = greatest_speed(start, end, pair)
     if begin - speed > far:
-        number[COUNTS] = 0.0
+        number[columns.COUNTS] = 0.0
         return
-    free = min(1.0, max(0.0, min(pair[FIRST_SEGMENT], pair[SECOND_SEGMENT]) - 1.0) / BOUND)
-    number[KEPT] = kept = kept_distance(start, pair, lengths, thickness)
-    number[WANTED] = min(kept, begin + free * ease * thickness)
+    free = min(1.0, max(0.0, min(pair[columns.FIRST_SEGMENT], pair[columns.SECOND_SEGMENT]) - 1.0) / BOUND)
+    number[columns.KEPT] = kept = kept_distance(start, pair, lengths, thickness)
+    number[columns.WANTED] = min(kept, begin + free * ease * thickness)
     least = NEAR * min(begin, thickness)
     t = 0.0
     for _ in range(ADVANCES):
@@ -230,29 +213,33 @@ def look_at(start, end, lengths, pair, sizes, number, vector):
     decided = t >= 1.0 or found[0] <= CLOSE * least
     normal = touch(start, end, pair, t, found, thickness, number, vector)
     # what does not keep a pair apart, at a joint or to the side of where it goes, may let it through later
-    if t < 1.0 and begin > DEEP * thickness and not (decided and number[COUNTS] > 0.0 and number[GAP] < number[WANTED]):
+    if (
+        t < 1.0
+        and begin > DEEP * thickness
+        and not (decided and number[columns.COUNTS] > 0.0 and number[columns.GAP] < number[columns.WANTED])
+    ):
         passes, t, last = rest_of_step(start, end, pair, t, CLOSE * least)
         if passes or not decided:
             found = last
             normal = touch(start, end, pair, t, found, thickness, number, vector)
-    number[SAME] = dot(first, normal) if found[0] > TOGETHER * thickness else 0.0
+    number[columns.SAME] = dot(first, normal) if found[0] > TOGETHER * thickness else 0.0
 
 
 @device
 def touch(start, end, pair, t, found, thickness, number, vector):
     """Set the contact of a pair to what `nearest_at` has ``found`` at a share t of the step; return the normal."""
     distance, alpha, beta, way = found
-    number[ALPHA], number[BETA] = alpha, beta
+    number[columns.ALPHA], number[columns.BETA] = alpha, beta
     if distance > TOGETHER * thickness:
         normal = scaled(1.0 / distance, way)
     else:
-        normal = aside(pair, segment_at(start, end, pair[FIRST], pair[FIRST_SEGMENT], t))
-    vector[NORMAL], vector[NORMAL + 1], vector[NORMAL + 2] = normal
-    a, b = pair[FIRST_SEGMENT], pair[SECOND_SEGMENT]
-    for place, x in ((START, start), (END, end)):
-        other = between(particle(x, pair[SECOND], b), particle(x, pair[SECOND], b + 1), beta)
-        way = less(other, between(particle(x, pair[FIRST], a), particle(x, pair[FIRST], a + 1), alpha))
+        normal = aside(pair, segment_at(start, end, pair[columns.FIRST], pair[columns.FIRST_SEGMENT], t))
+    vector[columns.NORMAL], vector[columns.NORMAL + 1], vector[columns.NORMAL + 2] = normal
+    a, b = pair[columns.FIRST_SEGMENT], pair[columns.SECOND_SEGMENT]
+    for place, x in ((columns.START, start), (columns.END, end)):
+        other = between(particle(x, pair[columns.SECOND], b), particle(x, pair[columns.SECOND], b + 1), beta)
+        way = less(other, between(particle(x, pair[columns.FIRST], a), particle(x, pair[columns.FIRST], a + 1), alpha))
         vector[place], vector[place + 1], vector[place + 2] = way
-    number[GAP] = dot(normal, way)
-    number[COUNTS] = 1.0 if counts(start, end, pair, (alpha, beta), normal, t) else 0.0
+    number[columns.GAP] = dot(normal, way)
+    number[columns.COUNTS] = 1.0 if counts(start, end, pair, (alpha, beta), normal, t) else 0.0
     return normal

@@ -24,8 +24,7 @@ of that which is an impact; and how many times as far its force goes in a round 
 NUMBERS = 11
 NORMAL, START, END = 0, 3, 6
 VECTORS = 9
-"""Of a contact (float64), three each: unit normal from the first to the second strand; the way between both places at
-the begin of the step and at its end."""
+"""Of a contact (float64): unit normal to the second strand; way between both places at begin and end of a step."""
 LOW, HIGH = 0, 1
 """Of a box: its least and its greatest corner."""
 AXES = 3

@@ -1,23 +1,20 @@
-"""How far a force moves the particles of a strand within a step: the step of `simulate.rod`, linearised.
+"""How far a force moves the particles of a strand within a step: the step of `simulate.rod`, linearised
+(`docs/solvers.md`).
 
-Where a step ends, H y + Jᵀ γ = f and J y = 0: H has masses, bending and tension, y are displacements, f forces times
-h² over the mass of a metre; a row of J says that an edge changes across itself alone. With the multipliers γ between
-the particles that they concern, the matrix has a band of 11 beside its diagonal; its LDLᵀ needs no pivoting, for H is
-definite (tension only is kept of it, not compression) and edges are independent.
+With the multipliers η between the particles that they concern, the matrix has a band of 11 beside its diagonal; its
+LDLᵀ needs no pivoting, for H is definite (tension only is in it, not compression) and edges are independent.
 """
 
 from __future__ import annotations
 
 from ....jit import device, function
-from .contact_pairs import ALPHA, AXES, BETA, FIRST, FIRST_SEGMENT, SECOND, SECOND_SEGMENT
+from . import contact_pairs as columns
 
 BLOCK, BAND = 4, 12
-"""Unknowns of a particle, three coordinates and a multiplier; numbers of a row of the lower band: entry k is that k
-columns left of the diagonal."""
+"""Unknowns of a particle; numbers of a row of the lower band, entry k is k columns left of the diagonal."""
 MULTIPLIER = 3
 HELD = 2.0
-"""Masses that a solid which a particle touches adds to it along its normal: solids do not hold what is led away from
-them, so that a response far too small would make rounds overshoot, and one twice too large lets them converge."""
+"""Masses that a solid which a particle touches adds to it along its normal; too many make rounds overshoot."""
 LEAST = 1e-12
 
 
@@ -30,11 +27,11 @@ def add(matrix, i, j, value):
 @device
 def add_square(matrix, j, k, factors):
     """Add k |x|², x a sum of the particles j, j − 1 and j − 2 with ``factors``."""
-    for a in range(AXES):
+    for a in range(columns.AXES):
         if j >= a:
-            for b in range(a, AXES):
+            for b in range(a, columns.AXES):
                 if j >= b:
-                    for c in range(AXES):
+                    for c in range(columns.AXES):
                         add(matrix, BLOCK * (j - a) + c, BLOCK * (j - b) + c, k * factors[a] * factors[b])
 
 
@@ -45,19 +42,19 @@ def add_bend(matrix, j, k, edges, parts):
     before. ``parts`` (3, 3, 3) is scratch."""
     e, f = edges[j - 1], edges[j]
     cosine = e[0] * f[0] + e[1] * f[1] + e[2] * f[2]
-    for c in range(AXES):
-        for d in range(AXES):
+    for c in range(columns.AXES):
+        for d in range(columns.AXES):
             one = 1.0 if c == d else 0.0
             turned = cosine * one - e[c] * f[d]
             parts[0, c, d], parts[1, c, d], parts[2, c, d] = one, -one - turned, turned
-    for a in range(AXES):
-        for b in range(a, AXES):
+    for a in range(columns.AXES):
+        for b in range(a, columns.AXES):
             if j < b:
                 continue
-            for c in range(AXES):
-                for d in range(AXES if a < b else c + 1):
+            for c in range(columns.AXES):
+                for d in range(columns.AXES if a < b else c + 1):
                     x = 0.0
-                    for i in range(AXES):
+                    for i in range(columns.AXES):
                         x += parts[a, i, c] * parts[b, i, d]
                     add(matrix, BLOCK * (j - a) + c, BLOCK * (j - b) + d, k * x)
 
@@ -74,7 +71,7 @@ def factorise(strands, edges, loads, mass, joint, curled, bands, parts):
         matrix[...] = 0.0
         n = len(mass)
         for j in range(n):
-            for c in range(AXES):
+            for c in range(columns.AXES):
                 add(matrix, BLOCK * j + c, BLOCK * j + c, mass[j])
                 for d in range(c + 1):
                     held = HELD * mass[j] * normals[s, j, c] * normals[s, j, d]
@@ -117,14 +114,14 @@ def substitute(matrix, x):
     size = len(matrix)
     for i in range(size):
         for j in range(max(0, i - BAND + 1), i):
-            for c in range(AXES):
+            for c in range(columns.AXES):
                 x[i, c] -= matrix[i, i - j] * x[j, c]
     for i in range(size):
-        for c in range(AXES):
+        for c in range(columns.AXES):
             x[i, c] /= matrix[i, 0]
     for i in range(size - 1, -1, -1):
         for j in range(max(0, i - BAND + 1), i):
-            for c in range(AXES):
+            for c in range(columns.AXES):
                 x[j, c] -= matrix[i, i - j] * x[i, c]
 
 
@@ -135,16 +132,16 @@ def respond(pairs, numbers, bands, places, lengths, out, x):
     are; ``lengths`` (S,) of a segment; ``x`` (4 N, 3) is scratch."""
     for i in range(len(pairs)):
         for side in range(2):
-            strand = pairs[i, FIRST if side == 0 else SECOND]
-            place = pairs[i, FIRST_SEGMENT if side == 0 else SECOND_SEGMENT]
-            share = numbers[i, ALPHA if side == 0 else BETA]
+            strand = pairs[i, columns.FIRST if side == 0 else columns.SECOND]
+            place = pairs[i, columns.FIRST_SEGMENT if side == 0 else columns.SECOND_SEGMENT]
+            share = numbers[i, columns.ALPHA if side == 0 else columns.BETA]
             x[...] = 0.0
-            for c in range(AXES):
+            for c in range(columns.AXES):
                 x[BLOCK * place + c, c] = share / lengths[strand]
                 if place > 0:
                     x[BLOCK * (place - 1) + c, c] = (1.0 - share) / lengths[strand]
             substitute(bands[places[strand]], x)
             for j in range(out.shape[2]):
-                for c in range(AXES):
-                    for d in range(AXES):
+                for c in range(columns.AXES):
+                    for d in range(columns.AXES):
                         out[i, side, j, c, d] = x[BLOCK * j + c, d]

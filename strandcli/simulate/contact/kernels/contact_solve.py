@@ -14,20 +14,7 @@ import math
 
 from ....jit import device, function, inlined
 from ...rod.kernels.vectors import add_scaled, cross, dot, less, scaled, sum_of
-from .contact_pairs import (
-    ALPHA,
-    AXES,
-    BETA,
-    END,
-    FIRST,
-    FIRST_SEGMENT,
-    NORMAL,
-    SECOND,
-    SECOND_SEGMENT,
-    START,
-    WANTED,
-    YIELDING,
-)
+from . import contact_pairs as columns
 
 TINY = 1e-30
 MOST_STEPS, EXACT = 60, 1e-10
@@ -72,12 +59,12 @@ def moved_by(response, end, share, c, d):
 def own_responses(pairs, numbers, responses, out):
     """Set ``out`` (m, 3, 3): how the way between both places of a contact changes by its own force."""
     for i in range(len(pairs)):
-        a, b = pairs[i, FIRST_SEGMENT], pairs[i, SECOND_SEGMENT]
-        same = pairs[i, FIRST] == pairs[i, SECOND]
-        alpha, beta = numbers[i, ALPHA], numbers[i, BETA]
+        a, b = pairs[i, columns.FIRST_SEGMENT], pairs[i, columns.SECOND_SEGMENT]
+        same = pairs[i, columns.FIRST] == pairs[i, columns.SECOND]
+        alpha, beta = numbers[i, columns.ALPHA], numbers[i, columns.BETA]
         one, other = responses[i, 0], responses[i, 1]
-        for c in range(AXES):
-            for d in range(AXES):
+        for c in range(columns.AXES):
+            for d in range(columns.AXES):
                 x = moved_by(one, a, alpha, c, d) + moved_by(other, b, beta, c, d)
                 if same:
                     x -= moved_by(one, b, beta, c, d) + moved_by(other, a, alpha, c, d)
@@ -204,9 +191,9 @@ def move(pairs, responses, forces, moves):
 @device
 def apply(pair, response, force, moves):
     """Add what a force moves the particles of a pair's strands by."""
-    a, b = pair[FIRST], pair[SECOND]
+    a, b = pair[columns.FIRST], pair[columns.SECOND]
     for j in range(moves.shape[1]):
-        for c in range(AXES):
+        for c in range(columns.AXES):
             moves[a, j, c] -= dot(response[0, j, c], force)
             moves[b, j, c] += dot(response[1, j, c], force)
 
@@ -219,14 +206,16 @@ def solve_one(i, pairs, contacts, responses, settings, forces, moves):
     soft = own[0, 0] + own[1, 1] + own[2, 2]
     if soft <= least:
         return 0.0
-    soft *= SOFT + number[YIELDING] / AXES
+    soft *= SOFT + number[columns.YIELDING] / columns.AXES
     x, y, z = three(own[0], 0), three(own[1], 0), three(own[2], 0)
     past = three(forces[i], 0)
-    other = moved(moves, pair[SECOND], pair[SECOND_SEGMENT], number[BETA])
-    free = less(other, moved(moves, pair[FIRST], pair[FIRST_SEGMENT], number[ALPHA]))
-    free = less(sum_of(three(vector, END), free), times((x, y, z), past))
+    other = moved(moves, pair[columns.SECOND], pair[columns.SECOND_SEGMENT], number[columns.BETA])
+    free = less(other, moved(moves, pair[columns.FIRST], pair[columns.FIRST_SEGMENT], number[columns.ALPHA]))
+    free = less(sum_of(three(vector, columns.END), free), times((x, y, z), past))
     w = (x[0] + soft, x[1], x[2]), (y[0], y[1] + soft, y[2]), (z[0], z[1], z[2] + soft)
-    force = force_of(three(vector, NORMAL), three(vector, START), free, number[WANTED], friction, w)
+    force = force_of(
+        three(vector, columns.NORMAL), three(vector, columns.START), free, number[columns.WANTED], friction, w
+    )
     forces[i, 0], forces[i, 1], forces[i, 2] = force
     change = less(force, past)
     if change[0] != 0.0 or change[1] != 0.0 or change[2] != 0.0:

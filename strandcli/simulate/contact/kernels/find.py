@@ -16,8 +16,7 @@ from ...rod.kernels.vectors import add_scaled, dot, scaled, select
 from . import law, search
 
 SETTLED, CREEP = 0.5, 0.3
-"""Depth and height in segments of what touches a solid, and error of its slip, with which iterations end, over the
-error of |e|²; `turn_out` does the rest."""
+"""Depth, height and error of slip of what touches, in segments, with which iterations end, over that of |e|²."""
 UNITS = 20
 """Least such depth in units of rounding."""
 ROUNDING = 1e-6

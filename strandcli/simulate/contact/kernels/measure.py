@@ -10,6 +10,7 @@ from ....simd import broadcast, half_width_pointer, lane_count, load, load3, poi
 from ....solids.kernels import box, capsule, other, plane, sphere
 from ....solids.kernels.built_in import device_if_built_in
 from ...rod.kernels.arrays import ROW
+from ...rod.kernels.vectors import dot, less
 
 PARTICLES, SEGMENTS = 0, 1
 """Columns of what `depths` writes."""
@@ -31,9 +32,8 @@ def stretches(positions, lengths, out):
             p = load3(x, (own * rows + 1) * ROW + k, W)
             for i in range(2, rows):
                 q = load3(x, (own * rows + i) * ROW + k, W)
-                dx, dy, dz = q[0] - p[0], q[1] - p[1], q[2] - p[2]
-                stretch = max(stretch, abs(sqrt(dx * dx + dy * dy + dz * dz) / length - 1.0))
-                p = q
+                edge, p = less(q, p), q
+                stretch = max(stretch, abs(sqrt(dot(edge, edge)) / length - 1.0))
         out[b] = reduce_max(stretch)
 
 
@@ -83,7 +83,7 @@ def deepest(solids, positions, b):
 def deepen(depth, segment_depth, p, m, start, end, counts, most, along):
     """Return the greatest depths so far and in solid m of p: of the ends of segments, and of any of their points less
     that of their starts, if that ``counts``, 1 or 0."""
-    edge = end[0] - start[0], end[1] - start[1], end[2] - start[2]
+    edge = less(end, start)
     over = counts * max(depth(p, m, start[0], start[1], start[2]), 0.0)
     most = max(most, depth(p, m, end[0], end[1], end[2]))
     return most, max(along, segment_depth(p, m, start, edge) - over)

@@ -1,12 +1,9 @@
 """Search for the solid that is nearest to a segment, and the next one: written to the scratch, row by row.
 
 Coordinates are vectors of lanes, metres. Solids are packed as by `strandcli.solids.pack`, each row followed by its
-motion in this step; all solids of a kind are a pair: pointer to the numbers of all rows, and how many numbers.
-
-Solids without kernels of their own, meshes and SDF shapes, come after these, by the functions that
-`strandcli.solids.shapes.other_code` writes. A `Contact` has them as ``custom``, or None. The class of that holds the
-functions distance, normal, deepest, and drift where a kind has it. Lanes are computed one after the other, in scalars.
-Functions that take such functions are inlined: machine code with their addresses could not be cached.
+motion in this step; all solids of a kind are a pair: pointer to the numbers of all rows, and how many numbers. Meshes
+and SDF shapes come after these, by the functions of a class that `strandcli.solids.shapes.other_code` writes, lane by
+lane. Functions that take such functions are inlined: machine code with their addresses could not be cached.
 """
 
 from __future__ import annotations
@@ -23,11 +20,10 @@ from ....solids import COLUMNS
 from ....solids.kernels import box, capsule, plane, sphere
 from ....solids.shapes.other import REACH, X, Y, Z
 from ...rod.kernels.arrays import MOTION
-from ...rod.kernels.vectors import dot
+from ...rod.kernels.vectors import add_scaled, dot, less, scaled, select
 
 LEAST_SHARE = 0.25
-"""Of a segment, from which on its places count: those near its beginning are left to the segment before it, and a held
-root gives way to no force."""
+"""Of a segment, from which on its places count: those near its beginning are the segment's before it."""
 NEAR_ROOT = 0.05
 """The same of the first segment."""
 FAR = 1e18
@@ -75,30 +71,28 @@ def nearest(s, j, start, end, past, contact, options):
     x, y, z = end
     rows, last = contact.spheres
     for m in range(0, last, SPHERE):
-        share = broadcast(reach, 1.0)
-        dx, dy, dz = x - rows[m + sphere.X], y - rows[m + sphere.Y], z - rows[m + sphere.Z]
+        share, centre = broadcast(reach, 1.0), (rows[m + sphere.X], rows[m + sphere.Y], rows[m + sphere.Z])
+        away = less(end, centre)
         if whole:
-            share = nearest_share(start, end, (rows[m + sphere.X], rows[m + sphere.Y], rows[m + sphere.Z]), first)
-            u, v, w = place(start, end, share)
-            dx, dy, dz = u - rows[m + sphere.X], v - rows[m + sphere.Y], w - rows[m + sphere.Z]
+            share = nearest_share(start, end, centre, first)
+            away = less(place(start, end, share), centre)
         far = reach + rows[m + sphere.RADIUS]
-        if any_lane(dx * dx + dy * dy + dz * dz < far * far):
+        if any_lane(dot(away, away) < far * far):
             at = place(start, end, share)
-            near = of_ball(s, j, near, at, (dx, dy, dz), rows[m + sphere.RADIUS], (rows, m + OF_SPHERE), share)
+            near = of_ball(s, j, near, away, rows[m + sphere.RADIUS], share)
             near = with_slip(s, j, near, at, (rows, m + OF_SPHERE), past, contact.moved)
     rows, last = contact.capsules
     for m in range(0, last, CAPSULE):
         share = broadcast(reach, 1.0)
         at = end
         if whole:
-            _, share = capsule.off_axis(rows, m, start, (x - start[0], y - start[1], z - start[2]))
+            _, share = capsule.off_axis(rows, m, start, less(end, start))
             share = max(share, first)
             at = place(start, end, share)
-        u, v, w = capsule.on_axis(rows, m, at[0], at[1], at[2])
-        dx, dy, dz = at[0] - u, at[1] - v, at[2] - w
+        away = less(at, capsule.on_axis(rows, m, at[0], at[1], at[2]))
         far = reach + rows[m + capsule.RADIUS]
-        if any_lane(dx * dx + dy * dy + dz * dz < far * far):
-            near = of_ball(s, j, near, at, (dx, dy, dz), rows[m + capsule.RADIUS], (rows, m + OF_CAPSULE), share)
+        if any_lane(dot(away, away) < far * far):
+            near = of_ball(s, j, near, away, rows[m + capsule.RADIUS], share)
             near = with_slip(s, j, near, at, (rows, m + OF_CAPSULE), past, contact.moved)
     rows, last = contact.planes
     for m in range(0, last, PLANE):
@@ -123,7 +117,7 @@ def nearest(s, j, start, end, past, contact, options):
 @inlined
 def place(a, b, share):
     """A place on the segment from a to b."""
-    return a[0] + share * (b[0] - a[0]), a[1] + share * (b[1] - a[1]), a[2] + share * (b[2] - a[2])
+    return add_scaled(a, share, less(b, a))
 
 
 @device
@@ -158,38 +152,34 @@ def with_slip(s, j, near, at, motion, past, moves):
     touch some lane. ``motion``: its rows, and the column where its motion begins; ``moves``: whether it has moved.
     Returns ``near``."""
     if any_lane((load(s.active, j) > 0.0) | (load(s.gap, j) < 0.0)):
-        x, y, z = load3(past.positions, past.place, W)
-        share = load(s.place, j)
-        u, v, w = load3(past.positions, past.place - 3 * W, W)
-        u, v, w = u - past.shift[0], v - past.shift[1], w - past.shift[2]
-        x, y, z = u + share * (x - u), v + share * (y - v), w + share * (z - w)
+        begin = less(load3(past.positions, past.place - 3 * W, W), past.shift)
+        before = place(begin, load3(past.positions, past.place, W), load(s.place, j))
         if moves:
             rows, m = motion
-            u = rows[m] * x + rows[m + 1] * y + rows[m + 2] * z + rows[m + 9]
-            v = rows[m + 3] * x + rows[m + 4] * y + rows[m + 5] * z + rows[m + 10]
-            w = rows[m + 6] * x + rows[m + 7] * y + rows[m + 8] * z + rows[m + 11]
-            x, y, z = u, v, w
-        nearer = load(s.nearer, j) > 0.0
-        u, v, w = load3(s.slip, 3 * j, 1)
-        store3(s.slip, 3 * j, 1, where(nearer, at[0] - x, u), where(nearer, at[1] - y, v), where(nearer, at[2] - z, w))
+            x, y, z = before
+            before = (
+                rows[m] * x + rows[m + 1] * y + rows[m + 2] * z + rows[m + 9],
+                rows[m + 3] * x + rows[m + 4] * y + rows[m + 5] * z + rows[m + 10],
+                rows[m + 6] * x + rows[m + 7] * y + rows[m + 8] * z + rows[m + 11],
+            )
+        x, y, z = select(load(s.nearer, j) > 0.0, less(at, before), load3(s.slip, 3 * j, 1))
+        store3(s.slip, 3 * j, 1, x, y, z)
     return near
 
 
 @inlined
 def nearest_share(a, b, point, first):
     """Where on the segment from a to b a point is nearest, from a share ``first`` on."""
-    e = b[0] - a[0], b[1] - a[1], b[2] - a[2]
-    away = point[0] - a[0], point[1] - a[1], point[2] - a[2]
-    return min(max(dot(away, e) / max(dot(e, e), TINY), first), 1.0)
+    e = less(b, a)
+    return min(max(dot(less(point, a), e) / max(dot(e, e), TINY), first), 1.0)
 
 
 @inlined
-def of_ball(s, j, near, at, away, radius, motion, share):
+def of_ball(s, j, near, away, radius, share):
     """`consider` a ball, from whose centre the place is ``away``."""
-    x, y, z = away
-    size = sqrt(x * x + y * y + z * z)
-    over = 1.0 / max(size, TINY)
-    return consider(s, j, near, size - radius, (over * x, where(size < TINY, 1.0, over * y), over * z), share)
+    size = sqrt(dot(away, away))
+    x, y, z = scaled(1.0 / max(size, TINY), away)
+    return consider(s, j, near, size - radius, (x, where(size < TINY, 1.0, y), z), share)
 
 
 @by_type

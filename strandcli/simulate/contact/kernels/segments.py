@@ -1,11 +1,10 @@
-"""Collision of whole segments, which may pass through a solid between two particles outside of it
-(``segments: true``): passes of the stage "particle" (`rule.Pass`).
+"""Collision of whole segments, which may pass through a solid between two particles outside of it (``segments: true``):
+passes of the stage "particle" (`rule.Pass`).
 
-The deepest point of the segment lies at a share t of the way from the parent to the particle. Moving the particle by
-depth / t along the surface normal there brings that point out, exactly for a flat surface. If t is small the parent
-itself is at the surface; `LEAST_SHARE` bounds the displacement. The segment is then scaled to its length from before:
-it is turned, not stretched, so that elasticity, if it follows collision, does not pull its particle from the surface
-into another solid. A few sweeps are enough, because later steps continue from the result.
+The deepest point of the segment lies at a share t of it. Moving the particle by depth / t along the surface normal
+there brings that point out, exactly for a flat surface; `LEAST_SHARE` bounds the displacement. The segment is then
+scaled to its length from before: it is turned, not stretched. A few sweeps are enough, because later steps continue
+from the result.
 """
 
 from __future__ import annotations

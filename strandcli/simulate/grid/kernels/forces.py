@@ -26,44 +26,20 @@ from ....simd import (
     where,
 )
 from ...rod.kernels.arrays import AXES, PACK
+from ...rod.kernels.vectors import add_scaled, dot, less, scaled
+from . import records as rec
 from .pressure import BETWEEN_ONLY, HELD, WIDELY, find_excess, limit, moved, relax
-from .records import (
-    BETWEEN,
-    CELL,
-    CHANGE,
-    COUNTED,
-    FIRST,
-    FOUND,
-    FULL,
-    LANES,
-    LAST,
-    LOST,
-    MASS,
-    MOMENTUM,
-    PUSH,
-    RESULT,
-    SHARE,
-    SIZE,
-    SPEED,
-    STOP,
-    VELOCITY,
-    WIND,
-    beside,
-)
+from .records import beside
 from .transfer import cell_of, locate, three, weights_along
 
 CHANGED = np.float32(0.25)
-"""Share of what strands around have accelerated a strand by that this changes by from a step to the next, from which on
-it is jolted: BDF2 would go on with that, and tips would never come to rest. Strands that hold each other off while they
-swing together stay below."""
+"""Share of its acceleration by those around that changes in a step, from which on a strand is jolted."""
 SLIGHT = np.float32(0.1)
 """Share of a strand's velocity against its tip by which that change at least changes velocities then."""
 LONGEST = np.float32(1 / 60)
-"""Seconds: of shorter steps both shares are less in proportion, for the same motion changes less in one of them. A
-pressed layer would boil at 240 steps a second, by 35 mm/s."""
+"""Seconds: of shorter steps both shares are less in proportion, for the same motion changes less in one."""
 FARTHEST = np.float32(1e4)
-"""Cells a step by which those around push a strand on at the most, for the next grid. Where it is too heavy to follow,
-that would push it back by more, and so on without end."""
+"""Cells a step by which those around push a strand on at the most, for the next grid."""
 
 EMPTY = np.float32(1e-30)
 """Metres in a cell up to which it is empty."""
@@ -73,20 +49,19 @@ EMPTY = np.float32(1e-30)
 def act(box, grid, near, room, numbers, work, pressure, targets):
     """Set ``pressure`` (cells,), from that of the step before, and ``targets`` (cells, `CELL`).
 
-    ``near``, ``work``: as `pressure.relax` takes them, the latter with what that calls live; ``numbers`` (`NUMBERS`,)
-    float32. Pressure and shelter follow from their own neighbours, cell by cell: a thread finds one of them while
-    another finds the other. No strand is in rows that are not ``near``: what else those hold is neither set nor read.
-    """
+    ``near``, ``work``: as `pressure.relax` takes them, the latter with what that calls live; ``numbers``
+    (`NUMBERS`,) float32. A thread finds pressure while another finds shelter. What rows hold that are not ``near``
+    is neither set nor read."""
     margined, live = work
-    for o in prange(box[SIZE + 2]):
+    for o in prange(box[rec.SIZE + 2]):
         find_excess(box, np.int64(o), near, grid, room, pressure, numbers)
     for task in prange(2):
         if task == 0:
             relax(box, room, near, margined, live, pressure)
             limit(box, grid, room, numbers, live[1], pressure)
         elif len(room.left) > 0:
-            shelter(box, grid[MASS], numbers, room.left, room.behind)
-    for o in prange(box[SIZE + 2]):
+            shelter(box, grid[rec.MASS], numbers, room.left, room.behind)
+    for o in prange(box[rec.SIZE + 2]):
         find_targets(box, np.int64(o), near, grid, room, numbers, pressure, targets)
 
 
@@ -94,15 +69,14 @@ def act(box, grid, near, room, numbers, work, pressure, targets):
 def shelter(box, mass, numbers, left, behind):
     """Set the share of the wind that is ``left`` in each cell (cells,), and ``behind`` it.
 
-    Air that goes through strands of density n (metres in a cubic metre) and thickness d is left with exp(−n d s) of its
-    velocity after a path s: each strand stops what it meets. The share in a cell is the mean of those behind the cells
-    upwind along each axis, weighted by the wind's components (first-order upwind differences); it passes
-    1 / (1 + τ + τ² / 2) of it with τ = n d s, a rational form of the exponential that has the same bits on every
-    machine. ``mass`` (cells,): metres in them."""
-    wide, high, deep = box[SIZE], box[SIZE + 1], box[SIZE + 2]
-    x, y, z = numbers[WIND], numbers[WIND + 1], numbers[WIND + 2]
+    Air that goes through strands of density n (metres in a cubic metre) and thickness d is left with exp(−n d s) of
+    its velocity after a path s. The share in a cell is the mean of those behind the cells upwind along each axis,
+    weighted by the wind's components; it passes 1 / (1 + τ + τ² / 2) of it with τ = n d s, which has the same bits
+    on every machine. ``mass`` (cells,): metres in them."""
+    wide, high, deep = box[rec.SIZE], box[rec.SIZE + 1], box[rec.SIZE + 2]
+    x, y, z = numbers[rec.WIND], numbers[rec.WIND + 1], numbers[rec.WIND + 2]
     total = abs(x) + abs(y) + abs(z)
-    a, b, c, stop = abs(x) / total, abs(y) / total, abs(z) / total, numbers[STOP] / total
+    a, b, c, stop = abs(x) / total, abs(y) / total, abs(z) / total, numbers[rec.STOP] / total
     step, row, layer = (1 if x > 0 else -1), (wide if y > 0 else -wide), (wide * high if z > 0 else -wide * high)
     open = np.float32(1)
     for k in range(deep):
@@ -121,37 +95,41 @@ def shelter(box, mass, numbers, left, behind):
 @device
 def find_targets(box, o, near, grid, room, numbers, pressure, targets):
     """Set the targets of layer o. A cell that no sample reaches has none."""
-    wide, high, deep = box[SIZE], box[SIZE + 1], box[SIZE + 2]
+    wide, high, deep = box[rec.SIZE], box[rec.SIZE + 1], box[rec.SIZE + 2]
     cells, out = pointer(grid), pointer(targets)
     for row in range(o * high, (o + 1) * high):
         if not near[o, row % high]:
             continue
-        for i in range(0, wide, LANES):
+        for i in range(0, wide, rec.LANES):
             at = row * wide + i
-            if any_lane(load(cells, MASS * grid.shape[1] + at) > 0.0):
+            if any_lane(load(cells, rec.MASS * grid.shape[1] + at) > 0.0):
                 found = targets_of(at, beside(row, i, wide, high, deep), grid, room, numbers, pointer(pressure))
-                store_records(out, CELL * at, found)
+                store_records(out, rec.CELL * at, found)
             else:
-                for c in range(CELL):
-                    store(out, CELL * at + c * LANES, 0.0)
+                for c in range(rec.CELL):
+                    store(out, rec.CELL * at + c * rec.LANES, 0.0)
 
 
 @device
 def targets_of(at, sides, grid, room, numbers, pressure):
     """The columns of the targets of a vector of cells, with `records`' steps to the cells on their ``sides``."""
-    cells, count, full = pointer(grid), grid.shape[1], numbers[FULL]
-    m = load(cells, MASS * count + at)
-    rate = numbers[LOST] * min(m / full, 1.0)
+    cells, count, full = pointer(grid), grid.shape[1], numbers[rec.FULL]
+    m = load(cells, rec.MASS * count + at)
+    rate = numbers[rec.LOST] * min(m / full, 1.0)
     f = rate / max(m, EMPTY)
-    u, v, w = load3(cells, MOMENTUM * count + at, count)
-    between, all = BETWEEN * count + at, (at, numbers, cells, pressure, pointer(room.aperture))
+    u, v, w = load3(cells, rec.MOMENTUM * count + at, count)
+    between, all = rec.BETWEEN * count + at, (at, numbers, cells, pressure, pointer(room.aperture))
     near_x, wide_x = pushes(all, sides[0], between)
     near_y, wide_y = pushes(all, sides[1], between + count)
     near_z, wide_z = pushes(all, sides[2], between + 2 * count)
     u, v, w = f * u + wide_x, f * v + wide_y, f * w + wide_z
     if len(room.left) > 0:
         lost = load(pointer(room.left), at) - 1.0
-        u, v, w = u + lost * numbers[CHANGE], v + lost * numbers[CHANGE + 1], w + lost * numbers[CHANGE + 2]
+        u, v, w = (
+            u + lost * numbers[rec.CHANGE],
+            v + lost * numbers[rec.CHANGE + 1],
+            w + lost * numbers[rec.CHANGE + 2],
+        )
     return rate, u, v, w, near_x, near_y, near_z, m * 0.0
 
 
@@ -161,13 +139,13 @@ def pushes(all, sides, between):
     and of the next ones, and of the cells. ``between``: place of the first one's column along the axis."""
     at, numbers, cells, pressure, apertures = all
     before, after, (a, b, _, _) = sides
-    none, full = broadcast(cells, 0.0), numbers[FULL]
+    none, full = broadcast(cells, 0.0), numbers[rec.FULL]
     m, p, own = load(cells, at), load(pressure, at), load(apertures, at)
     next = p - load(pressure, at + after)
     next = own * load(apertures, at + after) * next / moved(m, load(cells, at + after), load(cells, between), full)
     past, columns = load(pressure, at + before) - p, load(cells, between + before)
     past = own * load(apertures, at + before) * past / moved(m, load(cells, at + before), columns, full)
-    next, past, push = where(b, next, none), where(a, past, none), numbers[SPEED] * full
+    next, past, push = where(b, next, none), where(a, past, none), numbers[rec.SPEED] * full
     return push * BETWEEN_ONLY * next, push * WIDELY * (next + past)
 
 
@@ -178,7 +156,7 @@ def accelerate(moving, samples, parts, box, targets, work, shares, accelerations
     1/s."""
     scratch, found = work
     for part in prange(len(parts)):
-        for pack in range(parts[part, FIRST], parts[part, LAST]):
+        for pack in range(parts[part, rec.FIRST], parts[part, rec.LAST]):
             rows = scratch[part], found[part]
             accelerate_pack(moving, samples, (pack, pack + 1), box, targets.reshape(-1), rows, shares, accelerations)
             note(moving, samples, pack, accelerations)
@@ -189,22 +167,22 @@ def accelerate_pack(moving, samples, packs, box, targets, work, shares, accelera
     """Set the accelerations of a pack's particles: each sample's change of momentum goes to the particles of which it
     is a mean, by their shares. The emitter takes up what goes to the root.
     ``packs``: as `locate` takes them."""
-    wide = np.uint64(box[SIZE] * CELL)
-    layer = wide * np.uint64(box[SIZE + 1])
+    wide = np.uint64(box[rec.SIZE] * rec.CELL)
+    layer = wide * np.uint64(box[rec.SIZE + 1])
     cells, (rows, found), begun = half_width_pointer(targets), work, np.int64(0)
     read = half_width_pointer(found)
     for sample in range(len(samples.first)):
         locate(moving, samples, packs, sample, box, samples.origins[-1], rows)
         for k in range(PACK):
-            a, c, d = three(rows, SHARE, k)
-            store(read, k * CELL, blend(cells, cell_of(rows, k), wide, layer, a, c, d))
-        rate, u, v, w = gather4(pointer(found), 0, load(pointer(COUNTED), 0), CELL, 0.0)
-        x, y, z, _ = gather4(pointer(found), PUSH, load(pointer(COUNTED), 0), CELL, 0.0)
-        store(pointer(found), CELL * PACK, rate)
-        store3(pointer(found), (CELL + 1) * PACK, PACK, u + x, v + y, w + z)
-        for c in range(FOUND - CELL):
+            a, c, d = three(rows, rec.SHARE, k)
+            store(read, k * rec.CELL, blend(cells, cell_of(rows, k), wide, layer, a, c, d))
+        rate, u, v, w = gather4(pointer(found), 0, load(pointer(rec.COUNTED), 0), rec.CELL, 0.0)
+        x, y, z, _ = gather4(pointer(found), rec.PUSH, load(pointer(rec.COUNTED), 0), rec.CELL, 0.0)
+        store(pointer(found), rec.CELL * PACK, rate)
+        store3(pointer(found), (rec.CELL + 1) * PACK, PACK, u + x, v + y, w + z)
+        for c in range(rec.FOUND - rec.CELL):
             for k in range(PACK):
-                rows[RESULT + c, k] = found[(CELL + c) * PACK + k]
+                rows[rec.RESULT + c, k] = found[(rec.CELL + c) * PACK + k]
         begun = share_out(samples, packs[0], sample, rows, shares[sample], begun, accelerations)
 
 
@@ -215,17 +193,14 @@ def share_out(samples, pack, sample, rows, shares, begun, accelerations):
     read, out = pointer(rows), pointer(accelerations)
     n, first, count = accelerations.shape[1], samples.first[sample] - 1, samples.counts[sample]
     for k in range(0, PACK, lane_count(read)):
-        rate = load(read, RESULT * PACK + k)
-        x = load(read, (RESULT + 1) * PACK + k) - rate * load(read, VELOCITY * PACK + k)
-        y = load(read, (RESULT + 2) * PACK + k) - rate * load(read, (VELOCITY + 1) * PACK + k)
-        z = load(read, (RESULT + 3) * PACK + k) - rate * load(read, (VELOCITY + 2) * PACK + k)
+        lost = scaled(load(read, rec.RESULT * PACK + k), load3(read, rec.VELOCITY * PACK + k, PACK))
+        change = less(load3(read, (rec.RESULT + 1) * PACK + k, PACK), lost)
         for i in range(max(-first, 0), count):
             at, share = (pack * n + first + i) * 3 * PACK + k, shares[i]
+            own = scaled(share, change)
             if first + i < begun:
-                u, v, w = load3(out, at, PACK)
-                store3(out, at, PACK, u + share * x, v + share * y, w + share * z)
-            else:
-                store3(out, at, PACK, share * x, share * y, share * z)
+                own = add_scaled(load3(out, at, PACK), share, change)
+            store3(out, at, PACK, own[0], own[1], own[2])
     return first + count
 
 
@@ -244,7 +219,7 @@ def blend(cells, at, wide, layer, a, c, d):
 @device
 def blend_row(cells, at, x, x_next):
     """Interpolate along x."""
-    return x * load(cells, at) + x_next * load(cells, at + np.uint64(CELL))
+    return x * load(cells, at) + x_next * load(cells, at + np.uint64(rec.CELL))
 
 
 @device
@@ -256,18 +231,17 @@ def note(moving, samples, pack, accelerations):
     share = min(step / LONGEST, 1.0)
     least, slight = share * CHANGED, share * SLIGHT / step
     for lane in range(0, PACK, lane_count(change)):
-        past = broadcast(change, 0.0)
-        changed, speed = past, past
-        p, q, r = load3(velocity, (pack * n + n - 1) * AXES + lane, PACK)
+        past = changed = speed = broadcast(change, 0.0)
+        tip = load3(velocity, (pack * n + n - 1) * AXES + lane, PACK)
         for at in range(pack * n * AXES + lane, (pack + 1) * n * AXES + lane, AXES):
-            a, b, c = load3(velocity, at, PACK)
-            u, v, w = load3(change, at, PACK)
-            d, e, f = min(max(seen * u, -most), most), min(max(seen * v, -most), most), min(max(seen * w, -most), most)
-            store3(unloaded, at, PACK, a + d, b + e, c + f)
-            x, y, z = load3(pushed, at, PACK)
-            store3(pushed, at, PACK, u, v, w)
-            past += x * x + y * y + z * z
-            changed += (u - x) * (u - x) + (v - y) * (v - y) + (w - z) * (w - z)
-            speed += (a - p) * (a - p) + (b - q) * (b - q) + (c - r) * (c - r)
+            own, push, before = load3(velocity, at, PACK), load3(change, at, PACK), load3(pushed, at, PACK)
+            x, y, z = scaled(seen, push)
+            x, y, z = min(max(x, -most), most), min(max(y, -most), most), min(max(z, -most), most)
+            store3(unloaded, at, PACK, own[0] + x, own[1] + y, own[2] + z)
+            store3(pushed, at, PACK, push[0], push[1], push[2])
+            more, away = less(push, before), less(own, tip)
+            past += dot(before, before)
+            changed += dot(more, more)
+            speed += dot(away, away)
         much = (changed > least * least * past) & (changed > slight * slight * speed)
         store(pointer(moving.jolted), pack * PACK + lane, where(much, broadcast(change, 1.0), 0.0))

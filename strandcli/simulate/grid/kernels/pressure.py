@@ -1,13 +1,8 @@
 """Pressure where strands are too dense, by one-sided projection on the grid (`docs/solvers.md`).
 
-p >= 0 is the least with which no cell is denser than its share f outside of solids, in units of h² over the cell's
-area:
-
-    Σ a_c a_d (p_c − p_d) >= e_c,    p_c >= 0,    one of both equal,    e = φ* − f,
-
-with the sum over the faces of a cell, and a = √f. A face next to a solid is open by a_c a_d, so that the impulse on it
-is as much less as the strands are that it moves: were it whole, pressure would hurl strands upward along walls. For a p
-the problem is that of whole faces, with e over a.
+A face next to a solid is open by a_c a_d with a = √f, so that the impulse on it is as much less as the strands are that
+it moves: were it whole, pressure would hurl strands upward along walls. For a p the problem is that of whole faces,
+with e = φ* − f over a.
 
 Loads. The velocity in φ* has what all other forces changed velocities by in the last step: of a pile at rest they undo
 what pressure does, and so it is found anew with φ = f, whatever the load and the step. The grid sees less of them than
@@ -41,27 +36,21 @@ LIMITS = 16
 DEEPEST = np.float32(0.95)
 """Cells from a surface to the middle of one in the solid from which on that is closed."""
 HELD = np.float32(0.5)
-"""Share of the pressure of the step before that is taken to be held by other forces wholly, whatever the grid sees of
-them. With all of it pressure swings; with none, what the grid does not see has to be made up for by density."""
+"""Share of the pressure of the step before that is taken to be held by other forces; with all it swings."""
 HASTE = np.float32(2)
-"""Share of what there is too much of that pressure makes up for in a step, over the share of the density that it does
-at the most: were it all, short steps would throw strands apart, which would go on until drag stops them. Of what there
-is too little of pressure lets be filled up as much: were it all at once, cells that change would be too dense by the
-mean, and a tuft would stand 10 % too low at 240 steps a second in place of 2."""
+"""Share of what there is too much of, and of what there is too little of to be filled up, that pressure makes up for in a
+step, over the share of the density that it does at the most: were it all, short steps would throw strands apart."""
 DENSEST = np.float32(4)
 """Densities, of those allowed, up to which that is a share of them: what is denser is led apart no faster."""
 HASTENED, LED = np.float32(2), np.float32(1)
-"""a over s², and w over s. With w alone strands that move on together could not be held; with a alone curls that press
-each other are a tenth denser than with half a cell a step at any length."""
+"""a over s², and w over s. With w alone strands that move on together could not be held."""
 BETWEEN_ONLY = np.float32(0.5)
-"""Share of the impulse on a face of two cells that goes to what lies between their middles. Were there none, cells of
-which every other one is dense would feel no pressure at all, and strands would gather in them; were it all, few strands
-that lie there would be thrown."""
+"""Share of the impulse on a face of two cells that goes to what lies between their middles. Were there none, strands would
+gather in every other cell; were it all, few strands that lie there would be thrown."""
 WIDELY = np.float32(0.5) * (1 - BETWEEN_ONLY)
 """And the share that each of the cells gets, by trilinear weights."""
 SLIVER = np.float32(1e-4)
-"""Share of a full cell about a face below which the impulse on it is not all handed on: what rounding places there in
-one sum, and not in another, would be thrown."""
+"""Share of a full cell about a face below which the impulse on it, of rounding, is not all handed on."""
 
 
 def work_shape(wide: int, high: int, deep: int) -> tuple[int, int, int]:
@@ -74,11 +63,10 @@ def relax(box, room, near, work, live, pressure):
     """Sweep over the cells `ROUNDS` times, those of one colour after those of the other, as on a chessboard.
 
     near (cells along z, along y): whether strands are near that row of cells, in the rest pressure is 0; pressure
-    (cells,): is changed. work (`work_shape`): pressure times aperture, so that neighbours count by what is open of
-    faces, with a margin of zeros about it, so that no cell is a special case: the one after a row is that before the
-    next. Rows without pressure beside rows without stay so unless their excess is positive, and are left out:
-    ``live`` (2, cells along z + 2, along y + 2) tells of each whether an excess is positive, and a pressure.
-    """
+    (cells,): is changed. work (`work_shape`): pressure times aperture, with a margin of zeros, so that no cell is a
+    special case: the one after a row is that before the next. Rows without pressure beside rows without are left out
+    unless their excess is positive: ``live`` (2, cells along z + 2, along y + 2) tells of each whether an excess is
+    positive, and a pressure."""
     wide, high, rows = box[SIZE], box[SIZE + 1], box[SIZE + 1] * box[SIZE + 2]
     stride, p = wide + LANES, pointer(work)
     layer = (high + 2) * stride

@@ -1,11 +1,8 @@
 """Arguments of the kernels of interaction, as flat tuples.
 
 Strands are cut into parts, whose number no number of threads changes: one thread works on a part, and parts are added
-up in their order. Cells lie on a lattice through the origin; a box is a window of it.
-
-Columns of cells are planes, one number a cell, x fastest. Kernels take the cells of a row, a vector of `LANES` along x
-at once, and those beside them; beside the box cells are as a kernel says: what is loaded for them is of another row,
-and not used.
+up in their order. Columns of cells are planes, one number a cell, x fastest. Kernels take a vector of `LANES` cells
+along x at once, and those beside them; what is loaded beside the box is of another row, and not used.
 """
 
 from __future__ import annotations
@@ -59,8 +56,7 @@ class Moving(NamedTuple):
     velocity: Any
     """(P, N, 3 S) m/s."""
     unloaded: Any
-    """(P, N, 3 S) velocity that the last step would have ended with without other forces than those of the grid, m/s;
-    of those as much as is expected to be undone."""
+    """(P, N, 3 S) velocity of the last step without forces but the grid's and what they undo, m/s."""
     pushed: Any
     """(P, N, 3 S) acceleration by the strands around in the last step, m/s²."""
     jolted: Any
@@ -68,8 +64,7 @@ class Moving(NamedTuple):
     roots: Any
     """(P, 3 S) velocity of roots, m/s."""
     metres: Any
-    """(P, S) float32, what a segment at the root counts for: its length times the strands that it stands for, metres; 0
-    of padding."""
+    """(P, S) float32 metres that a segment at the root counts for, with its children; 0 of padding."""
 
 
 class Samples(NamedTuple):
@@ -93,25 +88,16 @@ class Samples(NamedTuple):
     """That over the length of the step before: what has changed velocities then is expected to do so again."""
 
 
-class Points(NamedTuple):
-    """Points at which every strand is sampled, as `Samples` has them."""
-
-    first: NDArray[np.int64]
-    counts: NDArray[np.int64]
-    weights: NDArray[np.float64]
-    mass: NDArray[np.float64]
-
-
-def samples_of(segments: NDArray[np.float64], length: float) -> Points:
-    """Return the samples of strands whose segments have the relative masses ``segments`` (N,) and the length
-    ``length``, in cells, of the longest. A sample of several segments is a mean by masses."""
+def samples_of(segments: NDArray[np.float64], length: float, kind: Any) -> tuple[Any, Any, Any, Any]:
+    """Return the first four fields of `Samples` of strands whose segments have the relative masses ``segments`` (N,)
+    and the length ``length``, in cells, of the longest. A sample of several segments is a mean by masses."""
     n = len(segments)
     several = max(1, math.ceil(length * (1 - 1e-6)))
     if several > 1:
         t = np.tile((np.arange(several) + 0.5) / several, n)
         first = np.repeat(np.arange(n), several)
         weights, mass = np.stack([1 - t, t], 1), np.repeat(segments / several, several)
-        return Points(first, np.full(len(first), 2), weights, mass)
+        return first, np.full(len(first), 2), weights.astype(kind), mass.astype(kind)
     group = min(max(1, int(1 / length * (1 + 1e-6))), n)
     first = np.arange(0, n, group)
     count = np.minimum(first + group, n) - first + 1
@@ -120,7 +106,7 @@ def samples_of(segments: NDArray[np.float64], length: float) -> Points:
         mass[row] = segments[begin:end].sum()
         weights[row, : end - begin] += segments[begin:end] / 2 / mass[row]
         weights[row, 1 : end - begin + 1] += segments[begin:end] / 2 / mass[row]
-    return Points(first, count, weights, mass)
+    return first, count, weights.astype(kind), mass.astype(kind)
 
 
 LANES = 16

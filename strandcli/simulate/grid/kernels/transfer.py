@@ -2,9 +2,8 @@
 
 Segments are spread, and not particles, so that gaps between particles do not show: strands are sampled at points no
 more than a cell apart, each of which counts for its share of them and goes to the eight cells around it by trilinear
-weights. Where segments are longer than cells, samples lie on them; where they are shorter, one sample stands for
-several. Its place and velocity are means over the particles that it stands between, the velocity as other forces are
-going to change it.
+weights. Where segments are shorter than cells, one sample stands for several, at the mean of the particles that it
+stands between. Its velocity is as other forces are going to change it.
 """
 
 from __future__ import annotations
@@ -29,49 +28,34 @@ from ....simd import (
     store_records,
 )
 from ...rod.kernels.arrays import AXES, PACK, ROW
-from .records import (
-    BELOW,
-    BETWEEN,
-    CELL,
-    COUNTED,
-    FIRST,
-    LANES,
-    LAST,
-    LOW,
-    MASS,
-    MOMENTUM,
-    OFFSET,
-    SHARE,
-    SIZE,
-    VELOCITY,
-)
+from ...rod.kernels.vectors import add_scaled, less, scaled
+from . import records as rec
 
-OWN = np.zeros((3, CELL), np.float32)
+OWN = np.zeros((3, rec.CELL), np.float32)
 """1 in the column of what lies between middles along each axis, which counts wholly for the first of two cells."""
-OWN[np.arange(3), BETWEEN + np.arange(3)] = 1
+OWN[np.arange(3), rec.BETWEEN + np.arange(3)] = 1
 REST = 1 - OWN
 
 
 @parallel
 def deposit(moving, samples, parts, boxes, memory, work, sums, grid, most, near):
     """Set the cells of the box of all, ``grid`` (`CELL`, cells), the ``most`` metres in a cell of each row of them
-    (cells along z, along y), and whether strands are ``near``: in it or in one of the eight around. Returns the most of
-    all.
+    (cells along z, along y), and whether strands are ``near``: in it or in one of the eight around. Returns the most
+    of all.
 
-    Each part has cells in a box of its own first: ``boxes`` (parts + 1, `BOX`) int64, of which the last is that of all;
-    ``memory`` (cells of all parts, `CELL`). ``work``: `ROWS` and `FOUND` numbers of scratch for
-    each strand of a pack, for each part; ``sums`` (cells, `CELL`) float32: scratch.
-    """
+    Each part has cells in a box of its own first: ``boxes`` (parts + 1, `BOX`) int64, the last that of all;
+    ``memory`` (cells of all parts, `CELL`). Scratch: ``work``, `ROWS` and `FOUND` numbers for each strand of a pack,
+    for each part; ``sums`` (cells, `CELL`) float32."""
     scratch, found = work
     for part in prange(len(parts)):
         box = boxes[part]
-        own = memory[box[OFFSET] : box[OFFSET] + box[SIZE] * box[SIZE + 1] * box[SIZE + 2]]
+        own = memory[box[rec.OFFSET] : box[rec.OFFSET] + box[rec.SIZE] * box[rec.SIZE + 1] * box[rec.SIZE + 2]]
         own[...] = 0
-        for pack in range(parts[part, FIRST], parts[part, LAST]):
+        for pack in range(parts[part, rec.FIRST], parts[part, rec.LAST]):
             rows = scratch[part], found[part]
             deposit_pack(moving, samples, pack, box, samples.origins[part], own.reshape(-1), rows)
     whole = boxes[len(parts)]
-    for o in prange(whole[SIZE + 2]):
+    for o in prange(whole[rec.SIZE + 2]):
         merge_layer(boxes, np.int64(o), memory.reshape(-1), sums.reshape(-1), grid, most)
     return mark_near(most, near)
 
@@ -80,23 +64,23 @@ def deposit(moving, samples, parts, boxes, memory, work, sums, grid, most, near)
 def deposit_pack(moving, samples, pack, box, origins, grid, work):
     """Add the metres and the momentum of a pack of strands to the cells of a box, ``grid`` (cells `CELL`,)."""
     cells, (rows, found) = half_width_pointer(grid), work
-    each, wide = half_width_pointer(found), np.uint64(box[SIZE] * CELL)
-    layer = wide * np.uint64(box[SIZE + 1])
+    each, wide = half_width_pointer(found), np.uint64(box[rec.SIZE] * rec.CELL)
+    layer = wide * np.uint64(box[rec.SIZE + 1])
     for sample in range(len(samples.first)):
         locate(moving, samples, (pack, pack + 1), sample, box, origins, rows)
         # the columns of a cell that each strand's sample would fill alone, strand by strand
         for c in range(3):
             for k in range(PACK):
-                found[(CELL + c) * PACK + k] = rows[VELOCITY + c, k]
+                found[(rec.CELL + c) * PACK + k] = rows[rec.VELOCITY + c, k]
         m = load(pointer(moving.metres), pack * PACK) * np.float32(samples.mass[sample])
-        u, v, w = load3(pointer(found), CELL * PACK, PACK)
+        u, v, w = load3(pointer(found), rec.CELL * PACK, PACK)
         store_records(pointer(found), 0, (m, m * u, m * v, m * w, m, m, m, m * 0.0))
         for k in range(PACK):
-            a, c, d = three(rows, SHARE, k)
+            a, c, d = three(rows, rec.SHARE, k)
             x, x_next = weights_along(cells, 0, a)
             y, y_next = weights_along(cells, 1, c)
             z, z_next = weights_along(cells, 2, d)
-            columns = load(each, k * CELL)
+            columns = load(each, k * rec.CELL)
             x *= columns
             x_next *= columns
             at = cell_of(rows, k)
@@ -110,7 +94,7 @@ def deposit_pack(moving, samples, pack, box, origins, grid, work):
 def weights_along(cells, axis, a):
     """The factors along an axis of the weights with which a sample counts in each column of a cell, and of the next
     one, to whose middle it has gone the share ``a`` of the way. What lies between middles counts for the first."""
-    own, rest = load(half_width_pointer(OWN), CELL * axis), load(half_width_pointer(REST), CELL * axis)
+    own, rest = load(half_width_pointer(OWN), rec.CELL * axis), load(half_width_pointer(REST), rec.CELL * axis)
     share = broadcast(cells, a)
     return max(1.0 - share, own), min(share, rest)
 
@@ -119,7 +103,7 @@ def weights_along(cells, axis, a):
 def add_row(cells, at, x, x_next, across):
     """Add to the columns of two neighbouring cells, by the weights ``across``."""
     store(cells, at, load(cells, at) + across * x)
-    at += np.uint64(CELL)
+    at += np.uint64(rec.CELL)
     store(cells, at, load(cells, at) + across * x_next)
 
 
@@ -132,7 +116,7 @@ def three(rows, row, k):
 @device
 def cell_of(rows, k):
     """Place of the cell before the sample of lane k."""
-    return np.uint64(np.int32(rows[BELOW, k])) * np.uint64(CELL)
+    return np.uint64(np.int32(rows[rec.BELOW, k])) * np.uint64(rec.CELL)
 
 
 @device
@@ -144,34 +128,32 @@ def locate(moving, samples, packs, sample, box, origins, rows):
     out, n = pointer(rows), moving.velocity.shape[1]
     first, count = samples.first[sample], samples.counts[sample]
     again, inverse = samples.again, samples.inverse
-    o, p, q = origins[0], origins[1], origins[2]
+    origin = origins[0], origins[1], origins[2]
     pack, ahead = packs[0], (packs[1] - packs[0]) * n * AXES
     begin = pack * PACK // W * (n + 2) * ROW + ROW + pack * PACK % W
     next = packs[1] * PACK // W * (n + 2) * ROW + ROW + packs[1] * PACK % W - begin
-    wide, high, deep = box[SIZE], box[SIZE + 1], box[SIZE + 2]
+    wide, high, deep = box[rec.SIZE], box[rec.SIZE + 1], box[rec.SIZE + 2]
     for lane in range(0, PACK, lane_count(out)):
-        x = broadcast(out, 0.0)
-        y, z, u, v, w = x, x, x, x, x
+        none = broadcast(out, 0.0)
+        at = speed = none, none, none
         for i in range(count):
             weight, place = samples.weights[sample, i], begin + (first + i) * ROW + lane
-            a, b, c = load3(positions, place, W)
+            at = add_scaled(at, weight, less(load3(positions, place, W), origin))
             prefetch3(positions, place + next, W)
-            x, y, z = x + weight * (a - o), y + weight * (b - p), z + weight * (c - q)
             if first + i == 0:
-                a, b, c = load3(pointer(moving.roots), pack * AXES + lane, PACK)
+                own = load3(pointer(moving.roots), pack * AXES + lane, PACK)
             else:
                 place = (pack * n + first + i - 1) * AXES + lane
-                a, b, c = load3(velocity, place, PACK)
-                d, e, f = load3(unloaded, place, PACK)
+                own, past = load3(velocity, place, PACK), load3(unloaded, place, PACK)
                 prefetch3(velocity, place + ahead, PACK)
                 prefetch3(unloaded, place + ahead, PACK)
-                a, b, c = a + (a - d) * again, b + (b - e) * again, c + (c - f) * again
-            u, v, w = u + weight * a, v + weight * b, w + weight * c
-        x, y, z = x * inverse, y * inverse, z * inverse
+                own = add_scaled(own, again, less(own, past))
+            speed = add_scaled(speed, weight, own)
+        x, y, z = scaled(inverse, at)
         below, above, behind = cell_before(x, wide), cell_before(y, high), cell_before(z, deep)
-        store3(out, SHARE * PACK + lane, PACK, x - below, y - above, z - behind)
-        store(out, BELOW * PACK + lane, below + above * wide + behind * (wide * high))
-        store3(out, VELOCITY * PACK + lane, PACK, u, v, w)
+        store3(out, rec.SHARE * PACK + lane, PACK, x - below, y - above, z - behind)
+        store(out, rec.BELOW * PACK + lane, below + above * wide + behind * (wide * high))
+        store3(out, rec.VELOCITY * PACK + lane, PACK, speed[0], speed[1], speed[2])
 
 
 @device
@@ -185,24 +167,24 @@ def merge_layer(boxes, o, memory, sums, grid, most):
     """Add the parts' cells of layer o of the box of all up, part by part, and set the ``most`` metres in a cell of each
     of its rows."""
     whole = boxes[len(boxes) - 1]
-    wide, high, cells = whole[SIZE], whole[SIZE + 1], grid.shape[1]
-    out, line, counted = pointer(grid), sums[o * high * wide * CELL :], load(pointer(COUNTED), 0)
+    wide, high, cells = whole[rec.SIZE], whole[rec.SIZE + 1], grid.shape[1]
+    out, line, counted = pointer(grid), sums[o * high * wide * rec.CELL :], load(pointer(rec.COUNTED), 0)
     for n in range(high):
         row = (o * high + n) * wide
         if add_rows(boxes, o, n, half_width_pointer(memory), half_width_pointer(line)):
             found = broadcast(out, 0.0)
-            for i in range(0, wide, LANES):
-                m, u, v, w = gather4(pointer(line), i * CELL, counted, CELL, 0.0)
-                x, y, z, _ = gather4(pointer(line), i * CELL + BETWEEN, counted, CELL, 0.0)
-                store(out, MASS * cells + row + i, m)
-                store3(out, MOMENTUM * cells + row + i, cells, u, v, w)
-                store3(out, BETWEEN * cells + row + i, cells, x, y, z)
+            for i in range(0, wide, rec.LANES):
+                m, u, v, w = gather4(pointer(line), i * rec.CELL, counted, rec.CELL, 0.0)
+                x, y, z, _ = gather4(pointer(line), i * rec.CELL + rec.BETWEEN, counted, rec.CELL, 0.0)
+                store(out, rec.MASS * cells + row + i, m)
+                store3(out, rec.MOMENTUM * cells + row + i, cells, u, v, w)
+                store3(out, rec.BETWEEN * cells + row + i, cells, x, y, z)
                 found = max(found, m)
             most[o, n] = reduce_max(found)
         else:
             most[o, n] = 0
-            for c in range(CELL):
-                for i in range(0, wide, LANES):
+            for c in range(rec.CELL):
+                for i in range(0, wide, rec.LANES):
                     store(out, c * cells + row + i, 0.0)
 
 
@@ -213,16 +195,26 @@ def add_rows(boxes, o, n, memory, line):
     whole, found = boxes[len(boxes) - 1], False
     for part in range(len(boxes) - 1):
         box = boxes[part]
-        inner, row = o + whole[LOW + 2] - box[LOW + 2], n + whole[LOW + 1] - box[LOW + 1]
-        if inner < 0 or inner >= box[SIZE + 2] or row < 0 or row >= box[SIZE + 1]:
+        inner, row = (
+            o + whole[rec.LOW + 2] - box[rec.LOW + 2],
+            n + whole[rec.LOW + 1] - box[rec.LOW + 1],
+        )
+        if inner < 0 or inner >= box[rec.SIZE + 2] or row < 0 or row >= box[rec.SIZE + 1]:
             continue
         if not found:
-            for i in range(whole[SIZE]):
-                store(line, i * CELL, 0.0)
+            for i in range(whole[rec.SIZE]):
+                store(line, i * rec.CELL, 0.0)
         found = True
-        at, source = box[LOW] - whole[LOW], box[OFFSET] + (inner * box[SIZE + 1] + row) * box[SIZE]
-        for i in range(box[SIZE]):
-            store(line, (at + i) * CELL, load(line, (at + i) * CELL) + load(memory, (source + i) * CELL))
+        at, source = (
+            box[rec.LOW] - whole[rec.LOW],
+            box[rec.OFFSET] + (inner * box[rec.SIZE + 1] + row) * box[rec.SIZE],
+        )
+        for i in range(box[rec.SIZE]):
+            store(
+                line,
+                (at + i) * rec.CELL,
+                load(line, (at + i) * rec.CELL) + load(memory, (source + i) * rec.CELL),
+            )
     return found
 
 

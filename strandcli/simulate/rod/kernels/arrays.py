@@ -141,8 +141,7 @@ class Needs(NamedTuple):
     pushed: Any
     """Whether other strands accelerate particles."""
     lasting: Any
-    """Whether they do so all through a step, as gravity does; otherwise they change the velocity that it begins with,
-    and BDF2 goes on without."""
+    """Whether they do so all through a step, as gravity does; else they change the velocity it begins with."""
 
 
 class Place(NamedTuple):

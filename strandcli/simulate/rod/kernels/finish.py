@@ -131,9 +131,8 @@ def mark_changes(s, at, state, needs, c):
 @inlined
 def set_velocity(state, row, u, needs, c, jumps):
     """Set the velocity that led to the displacement u: by Euler's method u / h; by BDF2 (u − (x_n − x_{n−1}) / 3) / h,
-    and that which the next step goes on with. ``jumps``: where that will restart, by u / Δt, and where velocities jump
-    in this step: BDF2 would extrapolate that, and strands bounce. After another step of Euler's method it takes the
-    acceleration to be as it was."""
+    and that which the next step goes on with. ``jumps``: where that will restart, by u / Δt, and where velocities
+    jump in this step, which BDF2 would extrapolate."""
     restart, jump = jumps
     rate = 1.0 / c.duration
     for k in range(3):

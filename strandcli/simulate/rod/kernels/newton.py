@@ -40,13 +40,11 @@ FOLLOWED = 1e-8
 MOST = 40
 """Iterations, at most: what has not converged then goes in parts."""
 PATIENCE, LATE = 4, 10
-"""Iterations after which each one more doubles the errors that contact and rest shapes may be left with, and after
-which solids touch no place anew that is not deep."""
+"""Iterations from which on each doubles what errors may be left, and from which on little touches anew."""
 FINE = 32
 """Segments beyond which a single wrong edge, as where contact kinks a strand, counts by its share of the strand."""
 EVEN = 3.0
-"""Ratio of the worst edge's error to the mean, which it hardly exceeds where all edges are wrong, as when a strand
-whips."""
+"""Ratio of the worst edge's error to the mean, which it hardly exceeds where all edges are wrong."""
 
 
 @device

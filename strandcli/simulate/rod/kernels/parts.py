@@ -14,8 +14,7 @@ from .arrays import AXES, PACK, ROW
 from .vectors import add_scaled, scaled
 
 LOST = 2e-3
-"""Error of |e|² from which on iterations have found no lengths, of strands of up to `newton.FINE` segments; of longer
-ones in proportion, for single edges may be off there."""
+"""Error of |e|² from which on iterations have found no lengths, in proportion beyond `newton.FINE` segments."""
 DEEP = 0.05
 """Depth in solids, in segments, from which on a step is taken again in parts."""
 RIGHT = 0.95

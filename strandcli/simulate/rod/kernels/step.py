@@ -1,10 +1,8 @@
 """The step of the rod solver over packs of strands: predict, iterate, make lengths exact, set the new velocity.
 
-Each thread takes packs from the work queue (`work_queue.run_workers`) and has scratch of its own. Strands are
-independent, so the number of threads changes no bit. A vector of strands goes through all phases of the step before the
-next one begins. One whose iterations end without lengths, inside of a solid, or with an edge that has turned by more
-than a right angle takes the step again in parts by Euler's method (`parts`); what fails even so is what its residual
-and its depth tell.
+Each thread takes packs from the work queue (`work_queue.run_workers`) and has scratch of its own. A vector of strands
+goes through all phases of the step before the next one begins. One whose iterations end without lengths, inside of a
+solid, or with an edge that has turned by more than a right angle takes the step again in parts (`parts`).
 """
 
 from __future__ import annotations

@@ -42,11 +42,9 @@ SHORT = 1 / 16
 
 @device
 def filter_forward(s, n, mass, foreseen, touching, whole):
-    """Kalman filter from the root to the tip: set innovations and gains.
-
-    ``foreseen``: means are those of the negated change, by the loads, which follow the same recurrence, so that r is
-    what is left after the change that they lead to. ``touching``: whether solids touch some segment, and ``whole``
-    ones."""
+    """Kalman filter from the root to the tip: set innovations and gains. ``foreseen``: means are those of the negated
+    change, by the loads, so that r is what is left after that change. ``touching``: whether solids touch some
+    segment, and ``whole`` ones."""
     noise = load(s.pivot, 0)
     zero = noise * 0.0
     # covariances of the state before the observation, as `vectors` has matrices
