@@ -20,8 +20,7 @@ ROOM = 2.0
 YIELD = 1.0
 """By how many times its own response a contact yields for each strand more."""
 STUCK, MOST_URGENT = 0.5, 64.0
-"""Share of its excess that a round leaves of a contact from which on its force goes twice as far in the next, and how
-far in the end: linear responses do not know of friction on solids, which holds tips that press each other there."""
+"""Share of its excess left in a round from which on a force doubles, for friction on solids; and how far."""
 STEPS = 2
 """Steps on end in which strands that press each other may have impacts; with more, sliding gains energy."""
 EXACT = 0.02

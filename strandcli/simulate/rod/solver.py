@@ -22,26 +22,10 @@ from ..contact.between_strands import StrandContact, in_parts
 from ..grid.strand_grid import Moment, StrandGrid
 from ..health import errors_between_strands
 from ..solver import Solver
-from . import needs_double
+from . import needs_double, setup
 from .kernels.arrays import PACK, Step
 from .material import torsion
 from .roots import Roots, begin_before_roots, carry, stop, turned, velocity_of_roots
-from .setup import (
-    ANCHOR,
-    CLAMP,
-    HEAVY,
-    HINGE,
-    Pins,
-    drive_of,
-    material_of,
-    matter_of,
-    needs_of,
-    rest_of,
-    shape_of,
-    state_of,
-    world_edges,
-)
-from .setup import TOLERANCE as PINNED_TOLERANCE
 from .step import StepKernel
 from .surroundings import Surroundings, change_of, flat, pose_of
 from .swing import parts, swing_rate
@@ -73,40 +57,40 @@ class RodSolver(Solver):
                     f"{scene.source or 'scene'}: rule {use.name}: the solver rod does not apply it; "
                     "take it out, or use solver: thesis"
                 )
-        rod, matter = scene.rod, matter_of(scene, groom)
+        rod, matter = scene.rod, setup.matter_of(scene, groom)
         exact = double or needs_double(scene, float(matter.lengths.min()))
         self.dtype = np.float64 if exact else np.float32
         self.surroundings = Surroundings(scene, self.dtype)
         self.pose = self.surroundings.pose(0.0)
-        shape = shape_of(scene, groom, self.dtype)
+        shape = setup.shape_of(scene, groom, self.dtype)
         if rod.root == "hinged":
-            matter.joint[0] = HINGE if shape.curled else 0.0
+            matter.joint[0] = setup.HINGE if shape.curled else 0.0
         if shape.mended:
-            for j, edge in enumerate(world_edges(shape, self.pose)):
+            for j, edge in enumerate(setup.world_edges(shape, self.pose)):
                 self.positions[:, j + 2] = self.positions[:, j + 1] + np.tile(self.lengths, 3) * lanes(edge)
-        rest = rest_of(scene, shape, matter, self.pose, self.dtype)
+        rest = setup.rest_of(scene, shape, matter, self.pose, self.dtype)
         between = [use.parameters for use in scene.rules if use.name == "interaction"]
         self.grid = StrandGrid(scene, groom, between[0], self.positions, self.dtype) if between else None
         touching = [use.parameters for use in scene.rules if use.name == "contact"]
         self.contact = StrandContact(scene, groom, touching[0]) if touching else None
-        self.needs = needs_of(scene, shape, self.surroundings, self.deforming is not None)
+        self.needs = setup.needs_of(scene, shape, self.surroundings, self.deforming is not None)
         self.curled = self.needs.curled
         self._swing_rate = swing_rate(scene, matter.lengths, rest.stiffness, shape, np.array(self.pose.rotation))
-        self.state = state_of(self.positions, world_edges(shape, self.pose), rest, self.needs, self.dtype)
-        self.material = material_of(matter, rest, self.dtype)
+        self.state = setup.state_of(self.positions, setup.world_edges(shape, self.pose), rest, self.needs, self.dtype)
+        self.material = setup.material_of(matter, rest, self.dtype)
         self.mass = self.material.mass.copy()
         """(N,) of particles, relative, without what pins add."""
-        self.drive = drive_of(groom, len(self.state.edges), self.dtype, self.needs)
+        self.drive = setup.drive_of(groom, len(self.state.edges), self.dtype, self.needs)
         self._gravity = tuple(self.surroundings.gravity.tolist())
         arrays = self.state, self.material, self.drive
-        self.pins: Pins | None = None
+        self.pins: setup.Pins | None = None
         if rod.end == "pinned":
-            self.pins = Pins(self.state, self.material, self.drive, self.pose)
-            self.material.mass[-1] *= HEAVY
+            self.pins = setup.Pins(self.state, self.material, self.drive, self.pose)
+            self.material.mass[-1] *= setup.HEAVY
             self.needs = self.needs._replace(pinned=True)
         self.roots = Roots(self.deforming, groom, rod, arrays, shape.curled)
         self._tolerance = TOLERANCES[double]
-        self._torsion = torsion(rod, shape.coiled), ANCHOR if self.roots.hinged else CLAMP
+        self._torsion = torsion(rod, shape.coiled), setup.ANCHOR if self.roots.hinged else setup.CLAMP
         self.now = self._numbers(MOMENT, False, (0.0, 0.0, 0.0), self.pose, change_of(self.pose, self.pose))
         """Numbers of the last step."""
         self._last_step = 0.0
@@ -119,7 +103,7 @@ class RodSolver(Solver):
         """The numbers of a step of ``dt`` seconds to a ``pose``; nothing pulls where that is `MOMENT`."""
         rod, (torsion, root_twist), tolerance = self.scene.rod, self._torsion, self._tolerance
         if self.needs.pinned:
-            tolerance = min(tolerance, PINNED_TOLERANCE)
+            tolerance = min(tolerance, setup.TOLERANCE)
         still, now = dt == MOMENT, flat(pose)
         rounding = 4 * float(np.finfo(self.dtype).eps)
         gravity, drag = ((0.0, 0.0, 0.0), 0.0) if still else (self._gravity, float(rod.drag))

@@ -38,15 +38,13 @@ DEEPEST = np.float32(0.95)
 HELD = np.float32(0.5)
 """Share of the pressure of the step before that is taken to be held by other forces; with all it swings."""
 HASTE = np.float32(2)
-"""Share of what there is too much of, and of what there is too little of to be filled up, that pressure makes up for in a
-step, over the share of the density that it does at the most: were it all, short steps would throw strands apart."""
+"""Share that pressure makes up for in a step, over that of the density at the most: all would throw strands."""
 DENSEST = np.float32(4)
 """Densities, of those allowed, up to which that is a share of them: what is denser is led apart no faster."""
 HASTENED, LED = np.float32(2), np.float32(1)
 """a over s², and w over s. With w alone strands that move on together could not be held."""
 BETWEEN_ONLY = np.float32(0.5)
-"""Share of the impulse on a face of two cells that goes to what lies between their middles. Were there none, strands would
-gather in every other cell; were it all, few strands that lie there would be thrown."""
+"""Share of the impulse on a face for what lies between middles: with none, strands gather in every other cell."""
 WIDELY = np.float32(0.5) * (1 - BETWEEN_ONLY)
 """And the share that each of the cells gets, by trilinear weights."""
 SLIVER = np.float32(1e-4)

@@ -43,8 +43,7 @@ class State(NamedTuple):
     restart: Any
     """(P, S) above 0 for strands that take this step by Euler's method; changed."""
     acceleration: Any
-    """(P, N, 3 S) of particles by the strands around, m/s²; changed before a step; needed where strands interact, and
-    with the rule contact, by which alone it is then."""
+    """(P, N, 3 S) of particles by the strands around, m/s²; changed before a step; of contact alone, where listed."""
     jolted: Any
     """(P, S) 1 for strands that those around push otherwise than in the step before; the same."""
     twist: Any

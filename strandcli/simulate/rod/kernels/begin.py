@@ -9,8 +9,7 @@ from .arrays import AXES, PACK, ROW, Coefficients
 from .vectors import less, scaled, sum_of
 
 BLEND = 0.8
-"""θ: share of BDF3 in the difference formula of velocities, the rest is BDF2. Two such steps, BDF2 for displacements
-and this for velocities, lose (1 − θ) / 4 (ω Δt)⁴ of an oscillation's amplitude a step, and are stable at any step."""
+"""θ: share of BDF3 in the difference formula of velocities, the rest is BDF2; stable at any step (Park 1975)."""
 VELOCITY_RATE = 1.5 + BLEND / 3
 """Δt over the h of velocities."""
 GAIN = (0.5 + 2 * BLEND / 3) / VELOCITY_RATE
