@@ -6,7 +6,7 @@ from ....constants import W
 from ....jit import device, inlined
 from ....simd import load, load3, no_fma, store, store3, where
 from .arrays import AXES, PACK, ROW, Coefficients
-from .vectors import less, scaled, sum_of
+from .vectors import add_scaled, less, scaled, sum_of
 
 BLEND = 0.8
 """θ: share of BDF3 in the difference formula of velocities, the rest is BDF2; stable at any step (Park 1975)."""
@@ -86,7 +86,7 @@ def begin(s, at, state, needs, c, shift):
         row = at.edge + j * AXES
         store(s.tension, j, load(state.tension, at.number + j * PACK) * c.reach)
         edge = load3(state.edges, row, PACK)
-        x, y, z = less(edge, scaled(c.inverse_length, shift)) if j == 0 else edge
+        x, y, z = add_scaled(edge, -c.inverse_length, shift) if j == 0 else edge
         store3(s.edge, 3 * j, 1, x, y, z)
         x, y, z = scaled(c.damped, less(edge, before))
         store3(s.damped, 3 * j, 1, x, y, z)

@@ -200,20 +200,22 @@ def sweep_to_root(s, n, material, stiffness, changed, factored, touching, whole,
             store(s.pivot, j, i)
             store(s.edge_factor, j, f)
             store(s.particle_factor, j, h)
-        p, q, bend, force = set_load(s, j, t, mass, k, (p, q, bend, force))
+        x = set_load(s, j, 0, t, mass, k, (p[0], q[0], bend[0], force[0]))
+        y = set_load(s, j, 1, t, mass, k, (p[1], q[1], bend[1], force[1]))
+        z = set_load(s, j, 2, t, mass, k, (p[2], q[2], bend[2], force[2]))
+        p, q, bend, force = (x[0], y[0], z[0]), (x[1], y[1], z[1]), (x[2], y[2], z[2]), (x[3], y[3], z[3])
     return lost
 
 
 @inlined
-def set_load(s, j, tension, mass, stiffness, after):
-    """Set the load g of segment j. ``after``: p and q of V, b and f of the segment after it. Returns the same of this
-    one."""
+def set_load(s, j, c, tension, mass, stiffness, after):
+    """Set coordinate c of the load g of segment j. ``after``: p and q of V, b and f of the segment after it. Returns
+    the same of this one."""
     p, q, bend, force = after
-    edge = load3(s.edge, 3 * j, 1)
-    b = scaled(stiffness, less(less(edge, load3(s.edge, 3 * j - 3, 1)), load3(s.rest, 3 * j, 1)))
-    f = less(sum_of(scaled(tension, edge), less(b, bend)), load3(s.firm, 4 * j, 1))
-    p = less(p, sum_of(scaled(mass, load3(s.inertial, 3 * j, 1)), less(force, f)))
-    sums = sum_of(p, q)
-    own = scaled(load(s.pivot, j), sums)
-    store3(s.load, 3 * j, 1, own[0], own[1], own[2])
-    return less(p, scaled(load(s.particle_factor, j), sums)), scaled(load(s.edge_factor, j), sums), b, f
+    edge = load(s.edge, 3 * j + c)
+    b = stiffness * (edge - load(s.edge, 3 * j - 3 + c) - load(s.rest, 3 * j + c))
+    f = tension * edge + (b - bend) - load(s.firm, 4 * j + c)
+    p -= mass * load(s.inertial, 3 * j + c) + (force - f)
+    sum = p + q
+    store(s.load, 3 * j + c, load(s.pivot, j) * sum)
+    return p - load(s.particle_factor, j) * sum, load(s.edge_factor, j) * sum, b, f

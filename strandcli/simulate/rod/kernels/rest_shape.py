@@ -95,7 +95,8 @@ def transport_frames(s, at, state, material, step):
             store(s.twist_factor, j, b)
         store(s.twist, j, angle)
         angle = load(state.twist, at.number + j * PACK)
-        rate = 1.0 / max(1.0 + dot(before, edge), LEAST_FOLD)
+        rate = 1.0 + before[0] * edge[0] + before[1] * edge[1] + before[2] * edge[2]
+        rate = 1.0 / max(rate, LEAST_FOLD)
         store(s.fold, j, rate)
         normal = carried(normal, scaled(rate, sum_of(before, edge)), edge)
         before = edge

@@ -24,7 +24,6 @@ from .vectors import (
     add_scaled,
     combined,
     dot,
-    less,
     less_outer,
     less_symmetric,
     matrix_product,
@@ -98,7 +97,7 @@ def observe(direction, k, mean_edge, noise, mass):
     square = dot(direction, direction)
     short = max(SHORT - square, 0.0) * (1 / mass)
     least = max(noise * square + short, TINY)
-    precision = 1.0 / max(short + dot(direction, k), least)
+    precision = 1.0 / max(short + direction[0] * k[0] + direction[1] * k[1] + direction[2] * k[2], least)
     residual = where(square > 0.25, square * (sqrt(square) - 1.0), 0.5 * (square - 1.0))
     return precision, (residual - dot(direction, mean_edge)) * precision
 
@@ -145,7 +144,7 @@ def smooth_backward(s, j, ahead, mass, touching, whole):
     change = change - dot(load3(s.edge_gain, 3 * j, 1), edge)
     store(s.tension, j, load(s.tension, j) + change)
     edge = sum_of(edge, particle)
-    particle = less(particle, scaled(g, edge))
+    particle = add_scaled(particle, -g, edge)
     edge = add_scaled(scaled(f, edge), change, load3(s.edge, 3 * j, 1))
     if touching and any_lane(load(s.active, j) > 0.0):
         particle, edge = law.change_force(s, j, particle, edge, mass, whole)

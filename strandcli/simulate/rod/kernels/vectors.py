@@ -1,6 +1,8 @@
 """Algebra of 3-vectors and 3 × 3 matrices, as tuples of vectors of lanes.
 
-A symmetric matrix is (xx, xy, xz, yy, yz, zz); any other matrix is its nine elements by rows.
+Products of vectors of lanes are fused into the sums in which they are written, so a sum of products stands in one
+function: `add_scaled`, not a sum with what `scaled` returns. A symmetric matrix is (xx, xy, xz, yy, yz, zz); any other
+matrix is its nine elements by rows.
 """
 
 from __future__ import annotations
