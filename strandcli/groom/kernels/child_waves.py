@@ -8,19 +8,7 @@ import numpy as np
 from ...constants import VECTOR, W
 from ...jit import device, inlined
 from ...simd import broadcast, floor, gather8, lane_count, load, load3, movemask, pointer, sqrt, store, store3
-from .child_scratch import (
-    ACROSS,
-    COSINE,
-    FIRST_WAVE,
-    RADIUS,
-    REACH,
-    REST,
-    SHARE,
-    SINE,
-    TURN_COSINE,
-    TURN_SINE,
-    TURNING,
-)
+from ...simd.turning import cosine_sine
 from .inputs import ONSET, ROUNDNESS
 from .keep_out import keep_lane_out, reach_on, slide_out, takes_slopes
 
@@ -32,6 +20,50 @@ LANES = np.arange(VECTOR // 4, dtype=np.float32)
 """The numbers of lanes."""
 TOWARD = np.float32(0.3)
 """Share of its lateral distance from the target path that a strand corrects within a segment."""
+REST, SHARE, REACH, ACROSS, FIRST_WAVE = 0, 1, 2, 3, 6
+"""First rows: segment length, metres; ratio of the length to that of the guides; metres that a strand may go on before
+any solid can be met; x, y, z of the unit vector across. Then follow `TURNING` rows of each wave."""
+RADIUS, COSINE, SINE, TURN_COSINE, TURN_SINE = 0, 1, 2, 3, 4
+"""Rows of a wave: its amplitude, metres; cosine and sine of its angle at a particle, and of the angle to the next."""
+TURNING = 5
+
+
+@device
+def load_children(guides, following, waves, own, begin, scratch, lengths):
+    """Store what the W children from place ``begin`` of ``own`` on need in the lanes of scratch (rows W,), and their
+    segment lengths, metres, in lengths (W,); lanes past the end have the last child. Places are not negative, and none
+    is tested."""
+    last = np.uint64(own.shape[0] - 1)
+    for lane in range(np.uint64(W)):
+        i = np.uint64(own[min(np.uint64(begin) + lane, last)])
+        rest = ZERO
+        for p in range(np.uint64(following.parents.shape[1])):
+            rest += following.weights[i, p] * guides.segments[np.uint64(following.parents[i, p])]
+        rest *= following.shares[i]
+        scratch[np.uint64(REST * W) + lane] = rest
+        scratch[np.uint64(SHARE * W) + lane] = following.shares[i]
+        scratch[np.uint64(REACH * W) + lane] = ZERO
+        for c in range(np.uint64(3)):
+            scratch[np.uint64(ACROSS * W) + c * np.uint64(W) + lane] = waves.across[i, c]
+        for w in range(np.uint64(waves.forms.shape[0])):
+            at = (np.uint64(FIRST_WAVE) + w * np.uint64(TURNING)) * np.uint64(W) + lane
+            scratch[at + np.uint64(RADIUS * W)] = waves.radii[i, w]
+            scratch[at + np.uint64(COSINE * W)] = waves.phases[i, w]
+            scratch[at + np.uint64(TURN_COSINE * W)] = waves.turns[i, w] * rest
+        lengths[lane] = rest
+    rows = pointer(scratch)
+    for first in range(FIRST_WAVE * W, (FIRST_WAVE + waves.forms.shape[0] * TURNING) * W, TURNING * W):
+        for k in range(first, first + W, lane_count(rows)):
+            turn_wave(rows, k + COSINE * W)
+            turn_wave(rows, k + TURN_COSINE * W)
+
+
+@device
+def turn_wave(rows, o):
+    """Store the cosines of the angles at place o of rows there, and their sines in the row after it."""
+    cosine, sine = cosine_sine(load(rows, o))
+    store(rows, o, cosine)
+    store(rows, o + W, sine)
 
 
 @device
@@ -39,8 +71,8 @@ def write_strands(waves, solids, solid, paths, size, scratch, out, b, k):
     """Write strands to the lanes from k on of block b of out (blocks, m + 1, 3 W), metres, with row 0 one segment
     before the root: with waves, segments as long as at rest, and outside of solids.
 
-    solid: whether there are solids; paths: rows of ``size`` numbers, one a lane, as `lay_path` writes them; scratch: as
-    `child_scratch` says.
+    solid: whether there are solids; paths: rows of ``size`` numbers, one a lane, as `lay_path` writes them; scratch:
+    that of `load_children`.
     """
     x, own = pointer(out), pointer(scratch)
     m = out.shape[1] - 1

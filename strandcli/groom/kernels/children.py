@@ -21,8 +21,7 @@ from ...constants import VECTOR, W
 from ...jit import device, inlined, parallel, prange
 from ...simd import broadcast, lane_count, line_pointer, load, load_triple, pointer, store
 from ...solids.kernels.outside import count as count_solids
-from .child_scratch import FIRST_WAVE, TURNING, load_children
-from .child_waves import write_strands
+from .child_waves import FIRST_WAVE, TURNING, load_children, write_strands
 
 ZERO = np.float32(0.0)
 HALF = np.float32(0.5)

@@ -26,6 +26,7 @@ from numpy.typing import NDArray
 
 from ...constants import W
 from ...jit import device, parallel, prange
+from ...simd.vectors import add_scaled, cross, dot, less, scaled, sum_of
 from ...solids.kernels.outside import count as count_solids
 from .keep_out import keep_out
 
@@ -67,17 +68,14 @@ def motions(positions, rest, turn, table):
 def trace(now, rest, lane, turn, turns, table):
     """`motions` of one guide; turns (n, 4): scratch for the rotations at its particles."""
     n = now.shape[0] - 1
-    w, x, y, z = turn[0], turn[1], turn[2], turn[3]
-    put(turns, 0, w, x, y, z)
+    own = turn[0], (turn[1], turn[2], turn[3])
+    put(turns, 0, own)
     for j in range(1, n):  # the edge that ends at particle j
-        ax, ay, az = edge(rest, j, lane)
-        ax, ay, az = turned(w, x, y, z, ax, ay, az)
-        bx, by, bz = edge(now, j, lane)
-        pw, px, py, pz = w, x, y, z
-        w, x, y, z = onward(ax, ay, az, bx, by, bz, w, x, y, z)
+        past = own
+        own = onward(turned(own, edge(rest, j, lane)), edge(now, j, lane), own)
         if j > 1:
-            put(turns, j - 1, pw + w, px + x, py + y, pz + z)
-        put(turns, j, w, x, y, z)
+            put(turns, j - 1, (past[0] + own[0], sum_of(past[1], own[1])))
+        put(turns, j, own)
     for row in range(table.shape[0]):
         at = row * (n - 1) / (table.shape[0] - 1)
         j = min(int(at), n - 2)
@@ -116,13 +114,11 @@ def cubic(i, j, n, t):
 
 
 @device
-def put(turns, j, w, x, y, z):
-    """Write a quaternion, made a unit, into row j."""
+def put(turns, j, turn):
+    """Write a quaternion, its real part and its vector, made a unit, into row j."""
+    w, (x, y, z) = turn
     size = 1.0 / math.sqrt(max(w * w + x * x + y * y + z * z, 1e-300))
-    turns[j, 0] = w * size
-    turns[j, 1] = x * size
-    turns[j, 2] = y * size
-    turns[j, 3] = z * size
+    turns[j, 0], turns[j, 1], turns[j, 2], turns[j, 3] = w * size, x * size, y * size, z * size
 
 
 @device
@@ -131,43 +127,27 @@ def edge(rows, j, lane):
     x = np.float64(rows[j + 1, lane]) - rows[j, lane]
     y = np.float64(rows[j + 1, W + lane]) - rows[j, W + lane]
     z = np.float64(rows[j + 1, 2 * W + lane]) - rows[j, 2 * W + lane]
-    size = 1.0 / math.sqrt(max(x * x + y * y + z * z, 1e-300))
-    return x * size, y * size, z * size
+    return scaled(1.0 / math.sqrt(max(x * x + y * y + z * z, 1e-300)), (x, y, z))
 
 
 @device
-def turned(w, x, y, z, a, b, c):
-    """A vector (a, b, c) turned by a unit quaternion."""
-    u = 2.0 * (y * c - z * b)
-    v = 2.0 * (z * a - x * c)
-    t = 2.0 * (x * b - y * a)
-    return a + w * u + (y * t - z * v), b + w * v + (z * u - x * t), c + w * t + (x * v - y * u)
+def turned(turn, a):
+    """A vector turned by a unit quaternion."""
+    w, v = turn
+    u = scaled(2.0, cross(v, a))
+    return sum_of(add_scaled(a, w, u), cross(v, u))
 
 
 @device
-def onward(ax, ay, az, bx, by, bz, w, x, y, z):
-    """The rotation (w, x, y, z), and after it the least one that takes the unit vector a to b."""
-    r = 1.0 + ax * bx + ay * by + az * bz
-    u = ay * bz - az * by
-    v = az * bx - ax * bz
-    t = ax * by - ay * bx
+def onward(a, b, turn):
+    """A rotation, and after it the least one that takes the unit vector a to b."""
+    r, u = 1.0 + dot(a, b), cross(a, b)
     if r < FOLDED:  # a half turn about any direction across
-        r = 0.0
-        if abs(ax) < 0.5:
-            u, v, t = 0.0, az, -ay
-        else:
-            u, v, t = -az, 0.0, ax
-    size = 1.0 / math.sqrt(r * r + u * u + v * v + t * t)
-    r *= size
-    u *= size
-    v *= size
-    t *= size
-    return (
-        r * w - u * x - v * y - t * z,
-        r * x + u * w + v * z - t * y,
-        r * y + v * w + t * x - u * z,
-        r * z + t * w + u * y - v * x,
-    )
+        r, u = 0.0, ((0.0, a[2], -a[1]) if abs(a[0]) < 0.5 else (-a[2], 0.0, a[0]))
+    size = 1.0 / math.sqrt(r * r + dot(u, u))
+    r, u = r * size, scaled(size, u)
+    w, v = turn
+    return r * w - dot(u, v), sum_of(add_scaled(scaled(r, v), w, u), cross(u, v))
 
 
 @parallel
@@ -192,40 +172,25 @@ def carry(strands, i, b, lane, table, solids, total, out):
     points = strands.points
     solid = count_solids(solids) > 0
     # the strand at rest, as its guides alone would have it, and what is added so that lengths are kept
-    ox = oy = oz = px = py = pz = cx = cy = cz = ZERO
+    before = past = added = ZERO, ZERO, ZERO
     whole = own = ZERO
     for j in range(points.shape[1]):
-        x = points[i, j, X]
-        y = points[i, j, Y]
-        z = points[i, j, Z]
-        ax, ay, az = moved(strands, i, points[i, j, SHARE], table, total, x, y, z)
+        here = points[i, j, X], points[i, j, Y], points[i, j, Z]
+        now = moved(strands, i, points[i, j, SHARE], table, total, here)
         if j > 0:
-            rest = size(x - ox, y - oy, z - oz)
-            now = size(ax - px, ay - py, az - pz)
+            rest, step = size(less(here, before)), less(now, past)
+            length = size(step)
             whole += rest
-            own += now
-            f = (rest - now) / max(now, TINY)
-            fx = px + cx
-            fy = py + cy
-            fz = pz + cz
-            cx += f * (ax - px)
-            cy += f * (ay - py)
-            cz += f * (az - pz)
+            own += length
+            begin = sum_of(past, added)
+            added = add_scaled(added, (rest - length) / max(length, TINY), step)
             if solid:
-                qx, qy, qz = keep_out(ax + cx, ay + cy, az + cz, fx, fy, fz, rest, solids)
-                if qx != ax + cx or qy != ay + cy or qz != az + cz:
-                    cx = qx - ax
-                    cy = qy - ay
-                    cz = qz - az
-        ox = x
-        oy = y
-        oz = z
-        px = ax
-        py = ay
-        pz = az
-        out[b, j + 1, lane] = ax + cx
-        out[b, j + 1, W + lane] = ay + cy
-        out[b, j + 1, 2 * W + lane] = az + cz
+                x, y, z = sum_of(now, added)
+                u, v, w = keep_out(x, y, z, begin[0], begin[1], begin[2], rest, solids)
+                if u != x or v != y or w != z:
+                    added = less((u, v, w), now)
+        before, past = here, now
+        out[b, j + 1, lane], out[b, j + 1, W + lane], out[b, j + 1, 2 * W + lane] = sum_of(now, added)
     for c in range(3):
         k = c * W + lane
         out[b, 0, k] = TWO * out[b, 1, k] - out[b, 2, k]
@@ -233,7 +198,7 @@ def carry(strands, i, b, lane, table, solids, total, out):
 
 
 @device
-def moved(strands, i, share, table, total, x, y, z):
+def moved(strands, i, share, table, total, here):
     """Where the guides of strand i take a point of it; total (COLUMNS,): scratch."""
     steps = np.float32(table.shape[1] - 1)
     for c in range(COLUMNS):
@@ -245,28 +210,18 @@ def moved(strands, i, share, table, total, x, y, z):
             place = share * strands.reaches[i, p] * steps
             row = min(np.int64(place), table.shape[1] - 2)
             part = place - np.float32(row)
-            less = weight * (ONE - part)
-            more = weight * part
+            first, second = weight * (ONE - part), weight * part
             for c in range(COLUMNS):
-                total[c] += less * table[g, row, c] + more * table[g, row + 1, c]
-    dx = x - total[REST]
-    dy = y - total[REST + 1]
-    dz = z - total[REST + 2]
-    w = total[TURN]
-    u = total[TURN + 1]
-    v = total[TURN + 2]
-    t = total[TURN + 3]
-    f = TWO / max(w * w + u * u + v * v + t * t, TINY)
-    ax = v * dz - t * dy
-    ay = t * dx - u * dz
-    az = u * dy - v * dx
-    x += total[SHIFT] + f * (w * ax + (v * az - t * ay))
-    y += total[SHIFT + 1] + f * (w * ay + (t * ax - u * az))
-    z += total[SHIFT + 2] + f * (w * az + (u * ay - v * ax))
-    return x, y, z
+                total[c] += first * table[g, row, c] + second * table[g, row + 1, c]
+    d = less(here, (total[REST], total[REST + 1], total[REST + 2]))
+    w, v = total[TURN], (total[TURN + 1], total[TURN + 2], total[TURN + 3])
+    f = TWO / max(w * w + v[0] * v[0] + v[1] * v[1] + v[2] * v[2], TINY)
+    a = cross(v, d)
+    turn = scaled(f, sum_of(scaled(w, a), cross(v, a)))
+    return sum_of(here, sum_of((total[SHIFT], total[SHIFT + 1], total[SHIFT + 2]), turn))
 
 
 @device
-def size(x, y, z):
+def size(a):
     """A vector's length."""
-    return math.sqrt(x * x + y * y + z * z)
+    return math.sqrt(dot(a, a))

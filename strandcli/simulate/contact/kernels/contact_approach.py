@@ -11,7 +11,7 @@ from __future__ import annotations
 import math
 
 from ....jit import device, function, inlined
-from ...rod.kernels.vectors import add_scaled, cross, dot, less, scaled
+from ....simd.vectors import add_scaled, cross, dot, less, scaled
 from . import contact_pairs as columns
 
 NEAR = 0.9

@@ -13,7 +13,7 @@ from __future__ import annotations
 import math
 
 from ....jit import device, function, inlined
-from ...rod.kernels.vectors import add_scaled, cross, dot, less, scaled, sum_of
+from ....simd.vectors import add_scaled, cross, dot, less, scaled, sum_of
 from . import contact_pairs as columns
 
 TINY = 1e-30

@@ -11,8 +11,8 @@ from __future__ import annotations
 
 from ....jit import device, inlined
 from ....simd import any_lane, broadcast, load, load3, sqrt, store, store3, where
+from ....simd.vectors import add_scaled, dot, scaled, select
 from ...rod.kernels.arrays import AXES, PACK, ROW
-from ...rod.kernels.vectors import add_scaled, dot, scaled, select
 from . import law, search
 
 SETTLED, CREEP = 0.5, 0.3

@@ -16,7 +16,7 @@ from __future__ import annotations
 
 from ....jit import inlined
 from ....simd import load, load3, sqrt, store, store3, where
-from ...rod.kernels.vectors import (
+from ....simd.vectors import (
     add_scaled,
     cross,
     dot,

@@ -7,10 +7,10 @@ import numpy as np
 from ....constants import W
 from ....jit import inlined, parallel, prange
 from ....simd import broadcast, half_width_pointer, lane_count, load, load3, pointer, reduce_max, sqrt
+from ....simd.vectors import dot, less
 from ....solids.kernels import box, capsule, other, plane, sphere
 from ....solids.kernels.built_in import device_if_built_in
 from ...rod.kernels.arrays import ROW
-from ...rod.kernels.vectors import dot, less
 
 PARTICLES, SEGMENTS = 0, 1
 """Columns of what `depths` writes."""

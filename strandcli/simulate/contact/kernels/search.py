@@ -16,11 +16,11 @@ from ....constants import W
 from ....jit import device, inlined
 from ....jit.pruned import by_type
 from ....simd import any_lane, broadcast, lane, lane_count, load, load3, sqrt, store, store3, where, with_lane
+from ....simd.vectors import add_scaled, dot, less, scaled, select
 from ....solids import COLUMNS
 from ....solids.kernels import box, capsule, plane, sphere
 from ....solids.shapes.other import REACH, X, Y, Z
 from ...rod.kernels.arrays import MOTION
-from ...rod.kernels.vectors import add_scaled, dot, less, scaled, select
 
 LEAST_SHARE = 0.25
 """Of a segment, from which on its places count: those near its beginning are the segment's before it."""

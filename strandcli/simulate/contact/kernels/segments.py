@@ -12,10 +12,10 @@ from __future__ import annotations
 from ....constants import W
 from ....jit import inlined
 from ....simd import any_lane, broadcast, lane_count, load3, pointer, sqrt, store3, where
+from ....simd.vectors import add_scaled, cross, dot, scaled, select
 from ....solids.kernels import box as boxes
 from ....solids.kernels import capsule as capsules
 from ....solids.kernels import sphere as balls
-from ...rod.kernels.vectors import add_scaled, cross, dot, scaled, select
 from .search import nearest_share, place
 
 LEAST_SHARE = 0.1

@@ -25,8 +25,8 @@ from ....simd import (
     store_records,
     where,
 )
+from ....simd.vectors import add_scaled, dot, less, scaled
 from ...rod.kernels.arrays import AXES, PACK
-from ...rod.kernels.vectors import add_scaled, dot, less, scaled
 from . import records as rec
 from .pressure import BETWEEN_ONLY, HELD, WIDELY, find_excess, limit, moved, relax
 from .records import beside

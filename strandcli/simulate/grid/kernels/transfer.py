@@ -27,8 +27,8 @@ from ....simd import (
     store3,
     store_records,
 )
+from ....simd.vectors import add_scaled, less, scaled
 from ...rod.kernels.arrays import AXES, PACK, ROW
-from ...rod.kernels.vectors import add_scaled, less, scaled
 from . import records as rec
 
 OWN = np.zeros((3, rec.CELL), np.float32)

@@ -5,8 +5,8 @@ from __future__ import annotations
 from ....constants import W
 from ....jit import device, inlined
 from ....simd import load, load3, no_fma, store, store3, where
+from ....simd.vectors import add_scaled, less, scaled, sum_of
 from .arrays import AXES, PACK, ROW, Coefficients
-from .vectors import add_scaled, less, scaled, sum_of
 
 BLEND = 0.8
 """θ: share of BDF3 in the difference formula of velocities, the rest is BDF2; stable at any step (Park 1975)."""

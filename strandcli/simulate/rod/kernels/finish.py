@@ -18,11 +18,11 @@ from ....simd import (
     store3,
     where,
 )
+from ....simd.vectors import add_scaled, dot, less, scaled, select, sum_of
 from ...contact.kernels import find
 from ...contact.kernels.search import Past
 from .arrays import AXES, PACK, ROW
 from .begin import GAIN, OLD_GAIN
-from .vectors import add_scaled, dot, less, scaled, select, sum_of
 
 HUGE = 1e18
 """Length of an edge, or τ, from which on it counts as infinite."""

@@ -22,9 +22,9 @@ from __future__ import annotations
 
 from ....jit import device, inlined
 from ....simd import any_lane, broadcast, load, load3, sqrt, store, store3, where
+from ....simd.vectors import combined, dot, less, scaled, select, sum_of
 from ...contact.kernels import find
 from . import rest_shape, tension
-from .vectors import combined, dot, less, scaled, select, sum_of
 
 MASS_SHARE = 0.9 / 4
 """θ/4: the share of the mass that compression may use up in H."""

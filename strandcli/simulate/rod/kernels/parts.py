@@ -8,10 +8,10 @@ from __future__ import annotations
 from ....constants import W
 from ....jit import device, inlined
 from ....simd import any_lane, broadcast, load, load3, store, store3, where
+from ....simd.vectors import add_scaled, scaled
 from ...contact.kernels.search import Contact
 from . import begin, finish, newton
 from .arrays import AXES, PACK, ROW
-from .vectors import add_scaled, scaled
 
 LOST = 2e-3
 """Error of |e|² from which on iterations have found no lengths, in proportion beyond `newton.FINE` segments."""

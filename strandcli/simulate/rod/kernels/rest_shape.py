@@ -21,8 +21,8 @@ from ....constants import FOLD
 from ....jit import device, inlined
 from ....simd import any_lane, broadcast, load, load3, sqrt, store, store3, where
 from ....simd.turning import cosine_sine
+from ....simd.vectors import add_scaled, combined, cross, dot, less, matrix_product, scaled, select, sum_of
 from .arrays import AXES, PACK
-from .vectors import add_scaled, combined, cross, dot, less, matrix_product, scaled, select, sum_of
 
 GREATEST_TWIST_CHANGE = 3.0
 """Radians that ψ changes by in an iteration at the most."""

@@ -19,8 +19,7 @@ from __future__ import annotations
 
 from ....jit import device, inlined
 from ....simd import any_lane, load, load3, sqrt, store, store3, where
-from ...contact.kernels import law
-from .vectors import (
+from ....simd.vectors import (
     add_scaled,
     combined,
     dot,
@@ -31,6 +30,7 @@ from .vectors import (
     sum_of,
     symmetric_product,
 )
+from ...contact.kernels import law
 
 TINY = 1e-30
 HELD = 1e-3

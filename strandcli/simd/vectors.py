@@ -7,8 +7,8 @@ matrix is its nine elements by rows.
 
 from __future__ import annotations
 
-from ....jit import inlined
-from ....simd import where
+from ..jit import inlined
+from .lanes import where
 
 
 @inlined
