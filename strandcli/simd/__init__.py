@@ -4,43 +4,17 @@ Kernels that work a row of lanes at a time through memory depend on what LLVM's 
 cache that holds all rows. With this type a kernel is written for one strand, moves `VECTOR` bytes' worth of them, and
 vectorises always; a vector that is wider than the machine's registers takes several.
 
-    rows = pointer(array)            the numbers of a contiguous array of any shape, one after the other
-    rows = half_width_pointer(array) the same, and vectors of half as many: where most loops are short
-    rows = triple_pointer(array)     the same, and vectors of three numbers in single precision
-    rows = quadruple_pointer(array)  the same of four, or of four whole numbers of 32 bits
-    pile = vector_pointer(array)     the vectors of a contiguous array: place 1 is that of the second vector
-    rows = fused_pointer(array); pile = fused_vector_pointer(array)
-                                     the same, and products in sums are fused (FMA)
-    fused_pointers(arrays)           a named tuple of arrays as one of the fused pointer of each
-    shifted(pile, 3)                 the vectors from place 3 on
-    rows[o]                          a number
-    rows = line_pointer(array)       those of a contiguous array from the first on that begins a cache line
-    array_at(np.int32, a, (n, 3))    an array of numbers that begin at an address
-    lane_count(rows)                 numbers in a vector
-    x = load(rows, o)                a vector from place o on
-    gather(rows, o, x, stride, y)    a vector of the numbers at places o + stride * x + y; x and y are whole
-    gather2(rows, o, x, stride, y), gather4(…), gather8(…)   two, four or eight vectors: of those numbers and of the
-                                     ones after them
-    store(rows, o, x)
-    store_records(rows, o, eight)    eight vectors as records: the first number of each, the second of each, ...
-    x, y, z = load3(rows, o, stride); store3(rows, o, stride, x, y, z)
-    x, y, z = load_deinterleaved(rows, o)   vectors of every third number from places o, o + 1 and o + 2 on
-    a, b, c = load_triple(rows, o)   three vectors one behind the other, in which three numbers take turns
-    a, b, c, d = load_quadruples(rows, o)   vectors of every fourth number, likewise
-    a, b = deinterleaved(x)          vectors of half the length, of the even lanes and of the odd ones
-    x, y = interleaved(a, b)         two vectors, one behind the other, in which the numbers of two take turns
-    deinterleave(rows, o, count, work, to, stride)   the same of so many triples, into an array
-    x + y, x - 1.0, -x, x * y, x / y, abs(x), max(x, y), min(x, y), sqrt(x), floor(x),
-    power_of_two(x)
-    where(x < y, a, b)               lane by lane, also for !=; masks are joined with &, | and ~
-    any_lane(x < y)                  whether it holds in any lane
-    movemask(x < y)                  in which, as bits of a number, the first the lowest
-    count_true(x < y)                in how many
-    reduce_max(x), broadcast(x, 2.0)
-    bits_of_places(o, x, stride, y)  the whole numbers o + stride * x + y, to be stored
-    lane(x, k), with_lane(x, k, 2.0) the number in one lane, and the vector with another one there: slow
-    no_fma(x * y) + z                rounds the product, where it would be fused
-    prefetch3(rows, o, stride)       has the processor fetch what `load3` is going to read; any address is allowed
+    rows = pointer(array)              the numbers of a contiguous array of any shape, one after the other
+    pile = vector_pointer(array)       its vectors: place 1 is that of the second vector
+    rows[o], load(rows, o)             a number, and a vector from place o on
+    x, y, z = load3(rows, o, stride)   three vectors; store and store3 likewise
+    gather(rows, o, x, stride, y)      a vector of the numbers at places o + stride * x + y
+    x + y, x - 1.0, -x, x * y, x / y, abs(x), max(x, y), min(x, y), sqrt(x), floor(x)
+    where(x < y, a, b)                 lane by lane, also for !=; masks are joined with &, | and ~
+    any_lane(x < y)                    whether it holds in any lane
+
+`memory` and `records` have what else vectors come from and go to, `lanes` what else is done with them, `vectors` the
+algebra of three of them.
 
 Vectors of whole numbers can be loaded and stored, and no more. Numbers that are not vectors stand for lanes that are
 all equal. max and min return their first argument where one is NaN that comes second, as Numba's do. Rows are no more
@@ -94,7 +68,6 @@ from .memory import (
     vector_pointer,
 )
 from .records import (
-    deinterleaved,
     gather2,
     gather4,
     gather8,

@@ -71,6 +71,19 @@ def widened(context: Any, builder: Any, value: Any, given: Any, kind: VectorType
     return builder.shuffle_vector(first, none, ir.Constant(ir.VectorType(ir.IntType(32), wide.count), None))
 
 
+def places_of(context: Any, builder: Any, sig: Any, args: Any) -> Any:
+    """Of lowered arguments (rows, o, x, stride, y) the whole numbers stride * x + y, a vector of 32 bits each."""
+    kind = next(one for one in sig.args if isinstance(one, VectorType))
+    whole = ir.VectorType(ir.IntType(32), kind.mask.count)
+    none = ir.Constant(whole, ir.Undefined)
+    stride = context.cast(builder, args[3], sig.args[3], types.int32)
+    stride = builder.insert_element(none, stride, ir.Constant(ir.IntType(32), 0))
+    product = builder.mul(
+        builder.fptosi(args[2], whole), builder.shuffle_vector(stride, none, ir.Constant(whole, None))
+    )
+    return builder.add(product, builder.fptosi(widened(context, builder, args[4], sig.args[4], kind), whole))
+
+
 def call_of(name: str, count: int = 1) -> Callable[..., Any]:
     """What LLVM has by a name, of so many vectors."""
 

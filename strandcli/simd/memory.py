@@ -14,7 +14,7 @@ from numba.core.typing.templates import AbstractTemplate, infer_global, signatur
 
 from ..constants import VECTOR
 from ..jit import device
-from .kinds import PointerType, VectorType, vector_of, widened
+from .kinds import PointerType, VectorType, places_of, vector_of, widened
 
 FOR_READING, SECOND_CACHE, DATA = 0, 2, 1
 """What LLVM's prefetch is told."""
@@ -171,20 +171,12 @@ def gather(typingctx: Any, rows: Any, o: Any, x: Any, stride: Any, y: Any) -> An
         return None
 
     def emit(context: Any, builder: Any, sig: Any, args: Any) -> Any:
-        base, begin, first, step, second = args
-        kind = vector_of(sig.args[0])
+        kind, place = vector_of(sig.args[0]), places_of(context, builder, sig, args)
         wide = context.get_value_type(kind)
-        whole = ir.VectorType(ir.IntType(32), wide.count)
-        turn = context.cast(builder, step, sig.args[3], types.int32)
-        none = ir.Constant(whole, ir.Undefined)
-        same = ir.Constant(ir.VectorType(ir.IntType(32), wide.count), None)
-        turn = builder.shuffle_vector(builder.insert_element(none, turn, ir.Constant(ir.IntType(32), 0)), none, same)
-        place = builder.mul(builder.fptosi(first, whole), turn)
-        place = builder.add(place, builder.fptosi(widened(context, builder, second, sig.args[4], kind), whole))
-        places = builder.gep(builder.gep(base, [begin]), [ir.Constant(ir.IntType(32), 0)])
+        places = builder.gep(builder.gep(args[0], [args[1]]), [ir.Constant(ir.IntType(32), 0)])
         # llvmlite knows of no addresses that are vectors, LLVM does
         places.indices, places.operands = [place], [places.pointer, place]
-        places.type = ir.VectorType(base.type, wide.count)
+        places.type = ir.VectorType(args[0].type, wide.count)
         mask = ir.Constant(ir.VectorType(ir.IntType(1), wide.count), [1] * wide.count)
         number = ir.IntType(32)
         typed = ir.FunctionType(wide, [places.type, number, mask.type, wide])

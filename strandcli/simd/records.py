@@ -14,7 +14,7 @@ from numba.core import types
 from numba.core.extending import intrinsic
 
 from ..jit import device
-from .kinds import PointerType, VectorType, vector_of, widened
+from .kinds import PointerType, VectorType, places_of, vector_of
 from .memory import lane_count, store
 
 INDEX = ir.IntType(32)
@@ -33,16 +33,9 @@ def _of_records(size: int) -> Callable[..., Any]:
             return None
 
         def emit(context: Any, builder: Any, sig: Any, args: Any) -> Any:
-            base, begin, first, step, second = args
-            kind = vector_of(sig.args[0])
-            count = context.get_value_type(kind).count
-            whole = ir.VectorType(INDEX, count)
-            none = ir.Constant(whole, ir.Undefined)
-            turn = builder.insert_element(none, context.cast(builder, step, sig.args[3], types.int32), INDEX(0))
-            turn = builder.shuffle_vector(turn, none, ir.Constant(whole, None))
-            place = builder.mul(builder.fptosi(first, whole), turn)
-            place = builder.add(place, builder.fptosi(widened(context, builder, second, sig.args[4], kind), whole))
-            start = builder.gep(base, [begin])
+            kind, place = vector_of(sig.args[0]), places_of(context, builder, sig, args)
+            count = place.type.count
+            start = builder.gep(args[0], [args[1]])
             record = ir.VectorType(start.type.pointee, size)
             found = []
             for k in range(count):
@@ -192,22 +185,6 @@ def interleaved(typingctx: Any, x: Any, y: Any) -> Any:
         return context.make_tuple(builder, sig.return_type, halves)
 
     return types.UniTuple(x, 2)(x, y), emit
-
-
-@intrinsic
-def deinterleaved(typingctx: Any, x: Any) -> Any:
-    """Two vectors of half the length: the numbers in even lanes of a vector, and those in odd ones."""
-    if not isinstance(x, VectorType):
-        return None
-
-    def emit(context: Any, builder: Any, sig: Any, args: Any) -> Any:
-        count = args[0].type.count
-        turns = [list(range(odd, count, 2)) for odd in range(2)]
-        return context.make_tuple(
-            builder, sig.return_type, [builder.shuffle_vector(args[0], args[0], _mask(half)) for half in turns]
-        )
-
-    return types.UniTuple(VectorType(x.dtype, x.size // 2, x.fused), 2)(x), emit
 
 
 @device
