@@ -8,10 +8,9 @@ import numpy as np
 
 from ...constants import W
 from ...jit import device, inlined
-from ...simd import any_lane, broadcast, movemask, pointer, sqrt, where
-from ...solids.kernels import box, built_in, capsule, other, plane, sphere
-from ...solids.kernels.built_in import device_if_built_in
-from ...solids.kernels.outside import outside
+from ...simd import any_lane, broadcast, movemask, sqrt, where
+from ...solids.kernels import built_in, other
+from ...solids.kernels.outside import deepest_in_shapes, outside
 
 ZERO = np.float32(0.0)
 ONE = np.float32(1.0)
@@ -85,24 +84,6 @@ def slide_out(solids, p, o, rest, reach):
             if not any_lane(touching):
                 break
     return x, y, z, reach, lost
-
-
-@device_if_built_in(lambda solids, x, y, z, deep: deep)
-def deepest_in_shapes(solids, x, y, z, deep):
-    """Return the greatest of depths and of those of points in solids of the four shapes, metres; vectors of lanes."""
-    rows, size = pointer(solids.spheres), solids.spheres.shape[1]
-    for m in range(0, solids.spheres.shape[0] * size, size):
-        deep = max(deep, sphere.depth(rows, m, x, y, z))
-    rows, size = pointer(solids.capsules), solids.capsules.shape[1]
-    for m in range(0, solids.capsules.shape[0] * size, size):
-        deep = max(deep, capsule.depth(rows, m, x, y, z))
-    rows, size = pointer(solids.planes), solids.planes.shape[1]
-    for m in range(0, solids.planes.shape[0] * size, size):
-        deep = max(deep, plane.depth(rows, m, x, y, z))
-    rows, size = pointer(solids.boxes), solids.boxes.shape[1]
-    for m in range(0, solids.boxes.shape[0] * size, size):
-        deep = max(deep, box.depth(rows, m, x, y, z)[0])
-    return deep
 
 
 @device

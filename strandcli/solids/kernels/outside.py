@@ -42,15 +42,22 @@ def count(solids):
 @device
 def any_depth(solids, x, y, z):
     """Return the greatest depth of points in any of the `Solids`, metres; negative outside of all. Vectors of lanes."""
-    spheres, capsules, planes, boxes = solids.spheres, solids.capsules, solids.planes, solids.boxes
-    balls, pills, flats, cubes = pointer(spheres), pointer(capsules), pointer(planes), pointer(boxes)
-    most = broadcast(x, OUTSIDE)
-    for m in range(0, spheres.size, spheres.shape[1]):
-        most = max(most, sphere.depth(balls, m, x, y, z))
-    for m in range(0, capsules.size, capsules.shape[1]):
-        most = max(most, capsule.depth(pills, m, x, y, z))
-    for m in range(0, planes.size, planes.shape[1]):
-        most = max(most, plane.depth(flats, m, x, y, z))
-    for m in range(0, boxes.size, boxes.shape[1]):
-        most = max(most, box.depth(cubes, m, x, y, z)[0])
-    return other.deepen(solids, x, y, z, most)
+    return other.deepen(solids, x, y, z, deepest_in_shapes(solids, x, y, z, broadcast(x, OUTSIDE)))
+
+
+@device_if_built_in(lambda solids, x, y, z, deep: deep)
+def deepest_in_shapes(solids, x, y, z, deep):
+    """Return the greatest of depths and of those of points in solids of the four shapes, metres; vectors of lanes."""
+    rows, size = pointer(solids.spheres), solids.spheres.shape[1]
+    for m in range(0, solids.spheres.shape[0] * size, size):
+        deep = max(deep, sphere.depth(rows, m, x, y, z))
+    rows, size = pointer(solids.capsules), solids.capsules.shape[1]
+    for m in range(0, solids.capsules.shape[0] * size, size):
+        deep = max(deep, capsule.depth(rows, m, x, y, z))
+    rows, size = pointer(solids.planes), solids.planes.shape[1]
+    for m in range(0, solids.planes.shape[0] * size, size):
+        deep = max(deep, plane.depth(rows, m, x, y, z))
+    rows, size = pointer(solids.boxes), solids.boxes.shape[1]
+    for m in range(0, solids.boxes.shape[0] * size, size):
+        deep = max(deep, box.depth(rows, m, x, y, z)[0])
+    return deep
