@@ -52,12 +52,6 @@ def alike(left: list[Frame], right: list[Frame]) -> None:
         assert a.report["error"] == b.report["error"]
 
 
-@pytest.mark.skipif(THREADS < 2, reason="this machine has one core")
-def test_the_number_of_threads_does_not_show(everything: Scene, frames: list[Frame]) -> None:
-    for threads in (2, THREADS):
-        alike(frames, frames_of(everything, 1, 4, threads=threads))
-
-
 def test_a_strand_does_not_depend_on_the_others(everything: Scene) -> None:
     many = moved(everything, 3, plain=False)
     for count in (1, W, W + 1, 300):

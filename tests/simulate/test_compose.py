@@ -147,8 +147,11 @@ def test_a_rule_from_outside_is_used_by_a_preset(lift: object) -> None:
         way = (moved(scene, 4, plain=plain) - still)[:, 1:]
         np.testing.assert_allclose(way, np.broadcast_to([0, 3 * 24 / 24**2, 0], way.shape), atol=1e-6)
     assert idle(scene_of(SCENE % "lift: {strength: 0}").rules[0], scene) == "its strength is zero"
-    mapping = scene_of("rules: {wind: {}, lift: {strength: 2}, gravity: {}}")
-    assert [use.name for use in mapping.rules] == ["gravity", "lift", "wind"]
+    names = (
+        "elasticity: {}, collision: {}, stiffness: {}, lift: {strength: 2}, wind: {}, gravity: {}, emitter_motion: {}"
+    )
+    order = "emitter_motion gravity lift wind stiffness collision elasticity"
+    assert [use.name for use in scene_of(f"rules: {{{names}}}").rules] == order.split()
 
 
 def test_a_rule_that_lacks_a_part_or_whose_name_is_taken_is_refused(lift: object) -> None:

@@ -4,7 +4,6 @@ from __future__ import annotations
 
 from typing import Any
 
-import numba
 import numpy as np
 import pytest
 from numba import njit
@@ -122,23 +121,6 @@ def test_what_strands_get_others_lose() -> None:
     assert np.linalg.norm(change) < 1e-5 * sizes
     assert densest > 1.5, "pressure had nothing to do"
     assert energies[-1] < 0.5 * energies[0]
-
-
-def test_any_number_of_threads_gives_the_same_bits() -> None:
-    text = (
-        "emitter: {shape: {kind: sphere, radius: 0.1}, strands: 800, particles: 9, length: 0.2, jitter: 20, "
-        "keys: [{time: 0}, {time: 1, rotation: [0, 180, 0]}]}\nsolids: [{kind: sphere, radius: 0.1, follow: emitter}]\n"
-        "rules: [emitter_motion, gravity, wind: {strength: 3}, interaction: {friction: 0.2, cell: 0.02}, collision]"
-    )
-    found = []
-    for threads in {1, min(2, numba.config.NUMBA_NUM_THREADS)}:
-        numba.set_num_threads(threads)
-        solver = rod_of(text)
-        solver.advance(8)
-        found.append(solver.particles())
-    assert len(solver.grid.parts) == 3
-    for one in found:
-        np.testing.assert_array_equal(one, found[0])
 
 
 PLATE = """

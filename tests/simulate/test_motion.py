@@ -14,6 +14,7 @@ from strandcli.errors import SimulationError
 from strandcli.groom.blocks import unpack
 from strandcli.scene import Scene
 from strandcli.scene.motion import emitter_pose
+from strandcli.simulate import solver_of as choose
 
 TURNING = """
 emitter:
@@ -82,11 +83,13 @@ def test_steps_can_be_taken_in_any_portions() -> None:
     np.testing.assert_array_equal(by_one.particles(), moved(scene, 7))
 
 
-def test_positions_taken_from_elsewhere_restore_the_whole_state() -> None:
-    """The row before the root turns with the emitter too; curves take their first tangent from it."""
-    scene = scene_of(TURNING % "emitter_motion, gravity, elasticity")
+@pytest.mark.parametrize("solver", ["thesis", "rod"])
+def test_positions_taken_from_elsewhere_restore_the_whole_state(solver: str) -> None:
+    """The row before the root turns with the emitter too, to the bits; curves take their first tangent from it."""
+    scene = scene_of(f"solver: {solver}\n" + TURNING % "emitter_motion, gravity, elasticity")
+    groom = groom_of(scene)
     for start in (1, 9):
-        run, taken = solver_of(scene), solver_of(scene)
+        run, taken = (choose(scene)(scene, groom) for _ in range(2))
         for frame in (start, start + 3):
             run.advance(frame)
             taken.take(frame, run.particles())

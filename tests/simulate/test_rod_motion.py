@@ -8,9 +8,7 @@ import numpy as np
 import pytest
 
 from rod_kit import each_step, take_steps
-from strand_kit import scene_of
 from strandcli.errors import UsageError
-from strandcli.groom.emit import emit
 from strandcli.simulate.rod.solver import RodSolver
 from tests.simulate.test_rod import PULL, scene, solver_of
 
@@ -33,21 +31,6 @@ def energy(solver: RodSolver) -> float:
     bending = float(solver.material.stiffness[0, 0]) * length**2 / 2 * (joint[:, None] * bends**2).sum()
     total = (mass[:, None] * v**2).sum() / 2 + PULL * (mass * x[1:, 1]).sum() + bending
     return total / (PULL * mass.sum() * length * len(edges))
-
-
-def test_positions_taken_from_elsewhere_are_drawn_the_same() -> None:
-    """The row before the root has the bits that it had."""
-    keys = "keys: [{time: 0}, {time: 1, position: [0.3, 0.1, 0], rotation: [20, 100, 30]}]"
-    turning = scene_of(
-        f"emitter: {{strands: 300, particles: 5, length: 0.3, jitter: 30, {keys}}}\nsolver: rod\n"
-        "time: {fps: 24, frames: 9}\nrules: [emitter_motion, gravity]\n"
-    )
-    groom = emit(turning.emitter, turning.seed)
-    run, taken = RodSolver(turning, groom), RodSolver(turning, groom)
-    for frame in (1, 2, 6):
-        run.advance(frame)
-        taken.take(frame, run.particles())
-        np.testing.assert_array_equal(taken.positions, run.positions)
 
 
 FREE = {"rod.drag": 0.0, "rod.damping": 0.0}

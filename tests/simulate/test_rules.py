@@ -153,9 +153,3 @@ def test_a_rule_that_is_listed_twice_is_applied_twice() -> None:
     twice = scene_of(ONE % (4, 0.3, "[0, 1, 0]", pulls))
     np.testing.assert_allclose(moved(twice, 3), moved(once, 3), atol=1e-6)
     np.testing.assert_array_equal(Surroundings(twice, np.float64).gravity, [1, -4, 4])
-
-
-def test_a_mapping_of_rules_takes_the_default_order() -> None:
-    names = "{elasticity: {}, collision: {}, stiffness: {}, wind: {}, gravity: {}, emitter_motion: {}}"
-    scene = scene_of((SCENE % ALL).replace(f"[{ALL}]", names))
-    assert [use.name for use in scene.rules] == ALL.split(", ")

@@ -1,5 +1,7 @@
-"""Contact: strands do not pass through each other, and rub on each other, for scenes where few strands matter (after
-Daviet et al. 2011). For many strands, rule `interaction` does it cheaper and by the mean."""
+"""Contact: strands do not pass through each other, and rub on each other, for scenes where few strands matter.
+
+After Daviet et al. 2011. For many strands, rule `interaction` does it cheaper and by the mean.
+"""
 
 from __future__ import annotations
 
