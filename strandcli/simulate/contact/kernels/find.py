@@ -63,6 +63,22 @@ def begin(s, at, state, material, c, needs):
 
 
 @device
+def let_go(s, n):
+    """Have no forces of contact, and nothing known of where solids are."""
+    zero = broadcast(s.pivot, 0.0)
+    for j in range(n):
+        store(s.active, j, zero)
+        store(s.gap, j, zero - 1.0)
+        store(s.second_gap, j, zero + search.FAR)
+        store(s.place, j, zero + 1.0)
+        store(s.share, j, zero + 1.0)
+        for k in range(3):
+            store(s.force, 3 * j + k, zero)
+            store(s.normal, 3 * j + k, zero)
+            store(s.second_normal, 3 * j + k, zero)
+
+
+@device
 def contacts(s, at, state, material, c, contact, needs, root, step, patience):
     """Set the contacts of all segments by the present edges; ``patience``: whether it is late in the step, and by how
     much more than at first contacts may be off.

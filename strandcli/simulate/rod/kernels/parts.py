@@ -1,6 +1,8 @@
 """The fallback of a rod's step: the same step in 2, 4 or 8 parts by Euler's method.
 
-A strand goes by the best of these, whole or in parts; the strands beside it in the vector keep theirs.
+A strand goes by the best of these, whole or in parts; the strands beside it in the vector keep theirs. One that finds
+no lengths in any of these takes 8 parts without forces of solids, by the rest shapes that each begins with: then the
+last sweep alone turns its edges out.
 """
 
 from __future__ import annotations
@@ -9,19 +11,23 @@ from ....constants import W
 from ....jit import device, inlined
 from ....simd import any_lane, broadcast, load, load3, store, store3, where
 from ....simd.vectors import add_scaled, scaled
+from ...contact.kernels import find
 from ...contact.kernels.search import Contact
-from . import begin, finish, newton
-from .arrays import AXES, PACK, ROW
+from . import begin, finish, newton, rest_shape
+from .arrays import AXES, PACK, ROW, Needs
 
 LOST = 2e-3
 """Error of |e|² from which on iterations have found no lengths, in proportion beyond `newton.FINE` segments."""
+GRAVE = 0.1
+"""The same of curled strands for the last attempt: rest shapes that do not follow let them gain energy."""
 DEEP = 0.05
 """Depth in solids, in segments, from which on a step is taken again in parts."""
 RIGHT = 0.95
 """Least change of an edge, before it is brought to unit length, that turns it by a right angle, rounded down."""
 TURNED = 2.0
 """Badness of a step in which an edge has turned by more than a right angle."""
-PARTS = 2, 4, 8
+MOST_PARTS, ATTEMPTS = 8, 4
+"""Parts at the most, and attempts: in 2, 4 and 8, and in 8 by rest shapes of their begin without forces of solids."""
 SAVED = 24
 """Numbers of a segment's state that are saved: five vectors, and from these places on the rest."""
 POSITION, FORCE, TENSION, SHARE, TWIST = 15, 18, 21, 22, 23
@@ -51,12 +57,14 @@ def improve(s, at, state, material, drive, step, needs, met, found):
     in_parts = best < 0.0
     restart = load(state.restart, at.strand)
     save(s.best, at, state, needs, best >= 0.0, True)
-    for parts in PARTS:
-        chosen = best > 1.0
-        if not any_lane(chosen):
+    for attempt in range(ATTEMPTS):
+        pressed = attempt < ATTEMPTS - 1
+        chosen = best > 1.0 if pressed else (best > 1.0) & (worst > (GRAVE if needs.curled else LOST))
+        if not any_lane(chosen) or not (pressed or needs.solids or needs.curled):
             break
         restore(s.begun, at, state, needs)
-        bad, error = move_in_parts(s, at, state, material, drive, step, needs, met, parts)
+        how = min(2 << attempt, MOST_PARTS), pressed
+        bad, error = move_in_parts(s, at, state, material, drive, step, needs, met, how)
         better = chosen & (bad < best)
         save(s.best, at, state, needs, better, True)
         best, worst, in_parts = where(better, bad, best), where(better, error, worst), in_parts | better
@@ -66,10 +74,16 @@ def improve(s, at, state, material, drive, step, needs, met, found):
 
 
 @device
-def move_in_parts(s, at, state, material, drive, step, needs, met, parts):
+def move_in_parts(s, at, state, material, drive, step, needs, met, how):
     """Take the step in parts by Euler's method from where it began, in the frame of the root at the step's end; solids
-    are as at that end. Returns the greatest badness and error of all parts."""
+    are as at that end. ``how``: in how many parts, and whether solids press and rest shapes follow in the iterations.
+    Returns the greatest badness and error of all parts."""
     contact, (root, shift) = met
+    parts, pressed = how
+    found = Needs(
+        needs.curled and pressed, needs.solids and pressed, needs.segments, needs.deforming, needs.pinned, needs.pushed,
+        needs.lasting,
+    )  # fmt: skip
     rate = 1.0 / step.duration
     bad = worst = broadcast(s.pivot, 0.0)
     still = bad, bad, bad
@@ -81,9 +95,14 @@ def move_in_parts(s, at, state, material, drive, step, needs, met, parts):
         if needs.pinned:
             begin.aim_tip(s, at, drive, c, parts, shift)
         own = with_shift(contact, i == 0, shift if i == 0 else still)
-        error, depth, near, path = newton.iterate(s, at, state, material, step, needs, c, own, root)
+        if needs.curled and not pressed:
+            rest_shape.begin(s, at, state, material, step, c)
+        error, depth, near, path = newton.iterate(s, at, state, material, step, found, c, own, root)
         worst = max(worst, error)
         bad = max(bad, badness(s, at, state, error, depth, path))
+        if needs.solids and not pressed:
+            find.let_go(s, at.segments)
+            near = True
         finish.finish(s, at, at.strand // PACK, state, material.bends, step, needs, c, (own, near), still)
         add_to_means(s, at, state, needs, (i, parts))
     add_velocity(at, state, frame)
