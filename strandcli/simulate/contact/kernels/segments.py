@@ -10,7 +10,7 @@ from the result.
 from __future__ import annotations
 
 from ....constants import W
-from ....jit import inlined
+from ....jit import function, inlined
 from ....simd import any_lane, broadcast, lane_count, load3, pointer, sqrt, store3, where
 from ....simd.vectors import add_scaled, cross, dot, scaled, select
 from ....solids.kernels import box as boxes
@@ -30,16 +30,34 @@ TINY = 1e-30
 
 def sphere(x, parent, grandparent, root, length, p, i, n):
     """Turn segments out of balls; p: packed spheres."""
-    turn(in_ball, x, parent, p)
+    turn_out_of_balls(x, parent, p)
 
 
 def capsule(x, parent, grandparent, root, length, p, i, n):
     """Turn segments out of capsules; p: packed capsules."""
-    turn(in_capsule, x, parent, p)
+    turn_out_of_capsules(x, parent, p)
 
 
 def box(x, parent, grandparent, root, length, p, i, n):
     """Turn segments out of boxes; p: packed boxes."""
+    turn_out_of_boxes(x, parent, p)
+
+
+@function
+def turn_out_of_balls(x, parent, p):
+    """`turn` among spheres."""
+    turn(in_ball, x, parent, p)
+
+
+@function
+def turn_out_of_capsules(x, parent, p):
+    """`turn` among capsules."""
+    turn(in_capsule, x, parent, p)
+
+
+@function
+def turn_out_of_boxes(x, parent, p):
+    """`turn` among boxes."""
     turn(in_box, x, parent, p)
 
 
