@@ -8,6 +8,7 @@ takes over the whole direction of the one before it, and no more. Unclamped the 
 
 from __future__ import annotations
 
+import functools
 from dataclasses import dataclass
 from typing import TYPE_CHECKING, Any
 
@@ -50,8 +51,12 @@ def passes(parameters: Parameters, scene: Scene) -> list[Pass]:
 
     n = scene.emitter.particles
 
-    def prepare(moment: Moment) -> Any:
-        k = (n - np.arange(n)) * parameters.strength * moment.step**2
+    @functools.lru_cache(maxsize=8)
+    def factors(step: float) -> Any:
+        k = (n - np.arange(n)) * parameters.strength * step**2
         return (np.minimum(k, 1.0) if parameters.clamp else k).astype(np.float32)[:, None]
+
+    def prepare(moment: Moment) -> Any:
+        return factors(moment.step)
 
     return [Pass(apply, prepare, "lane", 1, per_particle=True)]

@@ -52,12 +52,10 @@ def gusts(time: float, period: float, phases: Any, loop: float = 0.0, along: Any
     """Gust factor between -1 and 1 at a time, of smooth waves that are cubic in each half; ``phases`` holds one number
     in [0, 1) a wave. Repeats after ``loop`` seconds, where that is not 0; comes later by the place ``along`` the wind,
     in wavelengths."""
-    import numpy as np
-
     total = 0.0
     for (scale, a), phase in zip(WAVES, phases, strict=True):
         u = time / fitted(period * scale, loop) + phase - along / scale
-        t = np.abs(2.0 * (u - np.floor(u)) - 1.0)
+        t = abs(2.0 * (u - u // 1.0) - 1.0)
         total = total + a * (1.0 - 2.0 * t * t * (3.0 - 2.0 * t))
     return total
 
