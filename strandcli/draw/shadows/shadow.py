@@ -21,14 +21,14 @@ from ..common.scratch import Scratch
 from ..geometry.curves import Polylines
 from ..geometry.extent import Thickness
 from ..view.camera import View, ball, parallel_view, point_views
-from ..zbuffer.raster import bands_of
+from ..zbuffer.raster import bands_of, to_screen
 from .fronts import allocate_extents, spread_extents, tables_of_cells
 from .kernels import minmax as kernel
 from .kernels import opacity, opacity_maps, splats
 from .kernels.map_parts import PartsInMap
 from .kernels.strand_shadows import ShadowArrays
 from .shadow_model import casts_map, model_of
-from .strands_in_map import NO_EXTENTS, parts_in_map, project, simplified, view_numbers
+from .strands_in_map import NO_EXTENTS, coarse, parts_in_map, simplified, view_numbers
 
 TEXEL = 1.5
 """Side of an opacity map's texel, in strand spacings."""
@@ -187,11 +187,12 @@ class ShadowMaps:
     def _fill(self, number: int, lines: Polylines, workers: int, scratch: Scratch) -> None:
         """Draw into a min/max map."""
         view, size = self.views[number], int(self.sizes[number])
-        first, screen = project(lines, view, scratch)
-        bands = bands_of(first, screen, None, (size, size), workers, scratch)
+        lines = coarse(lines, view)
+        screen = to_screen(lines, view, scratch, "light_screen")
+        bands = bands_of(lines.first, screen, None, (size, size), workers, scratch)
         seen = view_numbers(view)
         kernel.fill(
-            first, screen, bands, size, seen.far, seen.near, self.extents[number],
+            lines.first, screen, bands, size, seen.far, seen.near, self.extents[number],
         )  # fmt: skip
 
 

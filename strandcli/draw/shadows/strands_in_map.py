@@ -37,6 +37,8 @@ LONGEST = 16.0
 """Texels that such a line may be long."""
 UNEVEN = np.float32(0.03)
 """Share of a strand's width by which such a line may be wider or narrower than the strand."""
+EVEN = np.zeros(0, np.float32)
+"""Widths that do not count."""
 
 
 def simplified(lines: Polylines, views: Sequence[View], scratch: Scratch) -> Polylines:
@@ -47,16 +49,14 @@ def simplified(lines: Polylines, views: Sequence[View], scratch: Scratch) -> Pol
         return lines
     texel = min((view.near if view.perspective else 1.0) / view.focal for view in views)
     bent, longest = np.float32((BENT * texel) ** 2), np.float32((LONGEST * texel) ** 2)
-    words = scratch.borrow("map_simple_words", -(-count // simplify.WORD), np.uint32)
-    simplify.find(lines.world, bent, longest, words)
-    if lines.lost is not None:
-        simplify.keep_widths(lines.world, lines.lost, UNEVEN, words)
+    stays = scratch.borrow("map_simple_stays", count, np.uint8)
     first = np.zeros(len(lines.first), np.int64)
-    simplify.count(lines.first, words, first[1:])
+    widths = EVEN if lines.lost is None else lines.lost
+    simplify.find(lines.first, lines.world, widths, bent, longest, UNEVEN, stays, first[1:])
     np.cumsum(first, out=first)
     world = scratch.borrow("map_simple_world", (int(first[-1]), 3), np.float32)
     along = scratch.borrow("map_simple_along", int(first[-1]), np.float32)
-    simplify.write(lines.first, lines.world, lines.tapered(0.0)[1], words, first, world, along)
+    simplify.write(lines.first, lines.world, lines.tapered(0.0)[1], stays, first, world, along)
     lost = None if lines.lost is None else along  # a map takes `along` for widths alone
     return replace(lines, first=first, world=world, along=along, lost=lost, per=0)
 
@@ -70,12 +70,10 @@ def parts_in_map(
 
     ``over``: 1 / h of `kernels.opacity`, 1/m; chances (strands,): from `chances_of`, to leave out most strands deep in
     shadow, None: none are; ``extents``: of the map's cells, to be widened."""
-    first, screen = project(lines, view, scratch)
-    seen = view_numbers(view)
+    lines = coarse(lines, view)
+    screen, seen = to_screen(lines, view, scratch, "light_screen"), view_numbers(view)
     taper, along = lines.tapered(thickness.taper)
-    if along is not None and len(along) > len(screen):
-        along = np.ascontiguousarray(along.reshape(-1, lines.per)[:, :: coarseness(lines, view)]).reshape(-1)
-    strands = StrandsInMap(first, screen, np.float32(thickness.width), taper, lines.scale, along)
+    strands = StrandsInMap(lines.first, screen, np.float32(thickness.width), taper, lines.scale, along)
     sketch = NO_SKETCH
     if chances is not None and len(chances) >= FEWEST:
         drafted = strands if lines.lost is None else evened(strands, lines.lost, lines.first)
@@ -140,11 +138,15 @@ def view_numbers(view: View) -> MapView:
     return MapView(far, np.float32(view.near), np.float32(view.focal))
 
 
-def project(lines: Polylines, view: View, scratch: Scratch) -> tuple[NDArray[np.int64], NDArray[np.float32]]:
-    """Return the first vertex (S + 1,) of each strand, and the vertices (V, 3) that a map needs, from `to_screen`."""
+def coarse(lines: Polylines, view: View) -> Polylines:
+    """Return polylines without the vertices that a map does not need (see `coarseness`)."""
     stride = coarseness(lines, view)
-    ends = np.arange(len(lines.first), dtype=np.int64)
-    return (lines.first - ends) // stride + ends, to_screen(lines, view, scratch, "light_screen", stride)
+    if stride == 1:
+        return lines
+    world = lines.world.reshape(-1, lines.per, 3)[:, ::stride]
+    lost = None if lines.lost is None else lines.lost.reshape(-1, lines.per)[:, ::stride].reshape(-1)
+    first = np.arange(len(lines.first), dtype=np.int64) * world.shape[1]
+    return replace(lines, first=first, world=world.reshape(-1, 3), lost=lost, per=0)
 
 
 def coarseness(lines: Polylines, view: View) -> int:

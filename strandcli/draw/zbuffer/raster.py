@@ -20,14 +20,10 @@ ROWS = 64
 """Height of a band of rows."""
 
 
-def to_screen(
-    lines: Polylines, view: View, scratch: Scratch, name: str = "screen", stride: int = 1
-) -> NDArray[np.float32]:
-    """Return (V, 3) x and y in pixels, and the depth number of `kernels.project.points`, which grows toward the eye, of
-    every ``stride``-th vertex of each strand, ends included."""
-    strands = len(lines.first) - 1
-    screen = scratch.borrow(name, ((len(lines.world) - strands) // stride + strands, 3), np.float32)
-    project.points(lines.first, lines.world, stride, view.pack(), screen)
+def to_screen(lines: Polylines, view: View, scratch: Scratch, name: str = "screen") -> NDArray[np.float32]:
+    """Return (V, 3) x and y in pixels, and the depth number of `kernels.project.points`, which grows toward the eye."""
+    screen = scratch.borrow(name, lines.world.shape, np.float32)
+    project.points(lines.first, lines.world, view.pack(), screen)
     return screen
 
 

@@ -6,7 +6,7 @@ import math
 
 import numpy as np
 
-from ....jit import device, inlined, parallel, prange
+from ....jit import device, parallel, prange
 from ....simd import any_lane, deinterleave, half_width_pointer, lane_count, load, sqrt, store, where
 from ...common.kernels import view_columns as at
 from ...common.kernels.numbers import INF, ONE, STEPS, ZERO
@@ -117,78 +117,30 @@ def perspective_widening(x, y, dx, dy, focal):
 
 
 @parallel
-def points(first, world, stride, view, screen):
+def points(first, world, view, screen):
     """Project polylines.
 
-    first (S + 1,) int64; world (V, 3) metres; stride: only every stride-th vertex of a strand is projected, and the
-    number of its vertices is a multiple of stride plus one; view: `view_columns`; screen (V, 3): x right and y down in
-    pixels, and the depth number, which grows toward the eye, is linear on the screen and 0 for a point that is not
-    seen. For a perspective view it is 1 / depth, in (0, 1 / near]; for an orthographic one 1 at the near plane and 0 at
-    the far one. A vertex behind the near plane is moved onto it if a neighbour is in front, so that the segment between
-    them is clipped.
+    first (S + 1,) int64; world (V, 3) metres; view: `view_columns`; screen (V, 3): x right and y down in pixels, and
+    the depth number, which grows toward the eye, is linear on the screen and 0 for a point that is not seen. For a
+    perspective view it is 1 / depth, in (0, 1 / near]; for an orthographic one 1 at the near plane and 0 at the far
+    one. A vertex behind the near plane is moved onto it if a neighbour is in front, so that the segment between them is
+    clipped.
     """
     strands = first.shape[0] - 1
     for task in prange((strands + STRANDS - 1) // STRANDS):
         work = np.empty(ROWS * ROW, np.float32)
         s, last = np.int64(task) * STRANDS, min((np.int64(task) + 1) * STRANDS, strands)
-        if stride == 1:  # short strands together
-            for low in range(first[s], first[last], VERTICES):
-                count = min(first[last] - low, VERTICES)
-                load_vertices(world, low, 1, count, work)
-                if transform(work, count, view):
-                    while first[s + 1] <= low:
-                        s += 1
-                    clip_strands(first, s, world, low, count, view, work)
-                to_screen(work, count, view)
-                write_screen(work, count, low, screen)
-            continue
-        for one in range(s, last):
-            begin = first[one]
-            end = first[one + 1]
-            out = (begin - one) // stride + one
-            for low in range(begin, end, VERTICES * stride):
-                count = min((end - 1 - low) // stride + 1, VERTICES)
-                load_vertices(world, low, stride, count, work)
-                if transform(work, count, view):
-                    clip(world, low, stride, 0, count, begin, end, view, work)
-                to_screen(work, count, view)
-                write_screen(work, count, out, screen)
-                out += count
-
-
-@inlined
-def write_screen(work, count, out, screen):
-    """Write `count` vertices on the screen from number `out` on."""
-    for k in range(np.uint64(count)):
-        v = np.uint64(out) + k
-        screen[v, 0] = work[np.uint64(X) + k]
-        screen[v, 1] = work[np.uint64(Y) + k]
-        screen[v, 2] = work[np.uint64(NUMBER) + k]
-
-
-@device
-def clip_strands(first, s, world, low, count, view, work):
-    """`clip` each strand's of `count` vertices from number `low` on, which is of strand s."""
-    k = np.int64(0)
-    while k < count:
-        stop = min(first[s + 1] - low, count)
-        clip(world, low, 1, k, stop, first[s], first[s + 1], view, work)
-        k = stop
-        s += 1
-
-
-@device
-def load_vertices(world, low, stride, count, work):
-    """Load `count` vertices, `stride` apart, from number `low` on."""
-    points = half_width_pointer(world)
-    if stride == 1:
-        deinterleave(points, 3 * low, count, work, X, ROW)
-        return
-    for k in range(np.uint64(count)):
-        v = np.uint64(3) * (np.uint64(low) + k * np.uint64(stride))
-        work[np.uint64(X) + k] = points[v]
-        work[np.uint64(Y) + k] = points[v + np.uint64(1)]
-        work[np.uint64(NUMBER) + k] = points[v + np.uint64(2)]
+        for low in range(first[s], first[last], VERTICES):
+            count = min(first[last] - low, VERTICES)
+            deinterleave(half_width_pointer(world), 3 * low, count, work, X, ROW)
+            if transform(work, count, view):
+                clip(first, s, world, low, count, view, work)
+            to_screen(work, count, view)
+            for k in range(np.uint64(count)):
+                v = np.uint64(low) + k
+                screen[v, 0] = work[np.uint64(X) + k]
+                screen[v, 1] = work[np.uint64(Y) + k]
+                screen[v, 2] = work[np.uint64(NUMBER) + k]
 
 
 @device
@@ -207,13 +159,15 @@ def transform(work, count, view):
 
 
 @device
-def clip(world, low, stride, k_begin, k_end, begin, end, view, work):
-    """Move the vertices k_begin … k_end − 1 of those loaded onto the near plane if they lie behind it and a neighbour
-    is in front, and make the others behind it invisible."""
-    for k in range(k_begin, k_end):
+def clip(first, s, world, low, count, view, work):
+    """Move those of `count` vertices from number `low` on, which is of strand s, onto the near plane that lie behind it
+    and have a neighbour in front, and make the rest behind it invisible."""
+    for k in range(count):
+        while low + k >= first[s + 1]:
+            s += 1
         x, y, z = work[X + k], work[Y + k], work[NUMBER + k]
         if z < view[at.NEAR_PLANE]:
-            front, x, y = cross_near_plane(world, view, low + k * stride, stride, begin, end, x, y, z)
+            front, x, y = cross_near_plane(world, view, low + k, first[s], first[s + 1], x, y, z)
             work[X + k] = x
             work[Y + k] = y
             work[NUMBER + k] = view[at.NEAR_PLANE] if front else -INF
@@ -243,11 +197,11 @@ def to_screen(work, count, view):
 
 
 @device
-def cross_near_plane(world, view, v, stride, begin, end, x, y, z):
+def cross_near_plane(world, view, v, begin, end, x, y, z):
     """Return whether vertex v, at (x, y, z) behind the near plane, has a neighbour in front of it, and where the
     segment between them crosses the plane."""
     near = view[at.NEAR_PLANE]
-    for w in (v - stride, v + stride):
+    for w in (v - 1, v + 1):
         if begin <= w < end:
             x1, y1, z1 = to_view(world[w, 0], world[w, 1], world[w, 2], view)
             if z1 >= near:
