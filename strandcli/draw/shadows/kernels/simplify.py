@@ -9,7 +9,8 @@ from __future__ import annotations
 
 import numpy as np
 
-from ....jit import device, parallel, prange
+from ....jit import device, inlined, parallel, prange
+from ....simd import pointer
 from ...common.kernels.numbers import ONE, ZERO
 from ...geometry.kernels.curves import distance
 
@@ -17,6 +18,7 @@ TINY = np.float32(1e-30)
 FLAT = np.float32(0.1**2)
 """Most that a vertex may be beside the line, as a share of its length, squared: segments are at most 2 % longer than
 the line that stands for them."""
+NEXT, TWO, THREE, FOUR = (np.uint64(number) for number in range(1, 5))
 STRANDS = 128
 """Strands a task."""
 
@@ -31,37 +33,53 @@ def find(first, world, lost, bent, longest, uneven, stays, counts):
     """
     strands = first.shape[0] - 1
     for task in prange((strands + STRANDS - 1) // STRANDS):
+        points = pointer(world)
         for s in range(np.int64(task) * STRANDS, min((np.int64(task) + 1) * STRANDS, strands)):
-            begin, end = first[s], first[s + 1]
-            left_out = np.int64(0)
+            begin, end = np.uint64(first[s]), np.uint64(first[s + 1])
             stays[begin:end] = 1
-            for reach in range(1, 3):  # odd ones, then those between two that are left out
-                for v in range(begin + reach, end - reach, 2 * reach):
-                    alone = reach == 1 or stays[v - 1] + stays[v + 1] == 0
-                    if alone and passes_near(world, lost, v, reach, bent, longest, uneven):
-                        stays[v] = 0
-                        left_out += 1
-            counts[s] = end - begin - left_out
+            if end - begin > TWO:
+                for v in range(begin + NEXT, end - NEXT, TWO):
+                    stays[v] = not passes_near(points, v, NEXT, bent, longest)
+                clear_uneven(world, lost, begin, end, 1, uneven, stays)
+            if end - begin > FOUR:
+                for v in range(begin + TWO, end - TWO, FOUR):
+                    alone = stays[v - NEXT] + stays[v + NEXT] == 0
+                    stays[v] = not (alone & passes_near(points, v, TWO, bent, longest))
+                clear_uneven(world, lost, begin, end, 2, uneven, stays)
+            total = np.int64(0)
+            for v in range(begin, end):
+                total += np.int64(stays[v])
+            counts[s] = total
 
 
-@device
-def passes_near(world, lost, v, reach, bent, longest, uneven):
-    """Return whether the line from the vertex `reach` before v to that `reach` behind it passes near v, and about as
-    wide as the strand is there; arguments as in `find`."""
-    a, b = v - reach, v + reach
-    x0, y0, z0 = world[a, 0], world[a, 1], world[a, 2]
-    x1, y1, z1 = world[b, 0] - x0, world[b, 1] - y0, world[b, 2] - z0
-    x, y, z = world[v, 0] - x0, world[v, 1] - y0, world[v, 2] - z0
+@inlined
+def passes_near(points, v, reach, bent, longest):
+    """Return whether the line from the vertex `reach` before v to that `reach` behind it passes near v; points:
+    `pointer` to the world, else as in `find`. Without branches."""
+    a, b, c = THREE * (v - reach), THREE * (v + reach), THREE * v
+    x0, y0, z0 = points[a], points[a + NEXT], points[a + TWO]
+    x1, y1, z1 = points[b] - x0, points[b + NEXT] - y0, points[b + TWO] - z0
+    x, y, z = points[c] - x0, points[c + NEXT] - y0, points[c + TWO] - z0
     length = x1 * x1 + y1 * y1 + z1 * z1
     along = x1 * x + y1 * y + z1 * z
     beside = (x * x + y * y + z * z) * length - along * along  # the distance's square, times that of the length
     near = (beside <= bent * length) & (beside <= FLAT * length * length)
-    near = near & (along >= ZERO) & (along <= length) & (length <= longest)
-    if near and lost.shape[0] > 0:
-        before, after = distance(world, a, v), distance(world, v, b)
-        t = before / max(before + after, TINY)
-        return abs(lost[v] - (lost[a] + t * (lost[b] - lost[a]))) <= uneven
-    return near
+    return near & (along >= ZERO) & (along <= length) & (length <= longest)
+
+
+@device
+def clear_uneven(world, lost, begin, end, reach, uneven, stays):
+    """Let vertices stay where the line from that `reach` before to that `reach` behind would be wider or narrower than
+    the strand, of which `lost` tells, if it has rows."""
+    if lost.shape[0] == 0:
+        return
+    for v in range(begin + np.uint64(reach), end - np.uint64(reach)):
+        a, b = v - np.uint64(reach), v + np.uint64(reach)
+        if stays[v] == 0:
+            before, after = distance(world, a, v), distance(world, v, b)
+            t = before / max(before + after, TINY)
+            if abs(lost[v] - (lost[a] + t * (lost[b] - lost[a]))) > uneven:
+                stays[v] = 1
 
 
 @parallel
@@ -73,10 +91,9 @@ def write(first, world, along, stays, out_first, out_world, out_along):
     strands = first.shape[0] - 1
     for task in prange((strands + STRANDS - 1) // STRANDS):
         for s in range(np.int64(task) * STRANDS, min((np.int64(task) + 1) * STRANDS, strands)):
-            at, begin = out_first[s], first[s]
-            per = ONE / np.float32(max(first[s + 1] - 1 - begin, 1))
-            for v in range(begin, first[s + 1]):
-                if stays[v] > 0:
-                    out_world[at, 0], out_world[at, 1], out_world[at, 2] = world[v, 0], world[v, 1], world[v, 2]
-                    out_along[at] = np.float32(v - begin) * per if along is None else along[v]
-                    at += 1
+            at, begin = np.uint64(out_first[s]), np.uint64(first[s])
+            per = ONE / np.float32(max(first[s + 1] - 1 - first[s], 1))
+            for v in range(begin, np.uint64(first[s + 1])):  # of a strand the last one stays
+                out_world[at, 0], out_world[at, 1], out_world[at, 2] = world[v, 0], world[v, 1], world[v, 2]
+                out_along[at] = np.float32(np.int64(v - begin)) * per if along is None else along[v]
+                at += np.uint64(stays[v])
