@@ -18,6 +18,14 @@ PART_BYTES = 20
 FRAGMENT_BYTES = 2 * SORTED_BYTES + PART_BYTES
 """At most: threads do not find the same number, and a part may leave no more than one fragment."""
 
+LAYER_ROOM = 1.5
+"""Times the fragments that are foreseen in the rows of a layer, for which there is room: strands move, threads do not
+find the same number, the last block of a chain is not full, and what sorts a crowded tile takes less in a thin
+layer."""
+
+SORTING_BYTES = 36
+"""A fragment of a tile while these are sorted: twice its numbers, and its depth."""
+
 VECTOR = 64
 """Bytes of numbers that move at once, those of a cache line: of sixteen strands, or of eight in double precision."""
 FOLD = 0.02

@@ -30,7 +30,7 @@ APART = (
 )  # fmt: skip
 """Packages of which the first may import nothing of the second."""
 FOR_KERNELS = (
-    "strandcli.constants", "strandcli.jit", "strandcli.simd", "strandcli.draw.common.rows", "strandcli.solids",
+    "strandcli.constants", "strandcli.jit", "strandcli.simd", "strandcli.solids",
 )  # fmt: skip
 """What modules in a folder `kernels` import beside kernels."""
 

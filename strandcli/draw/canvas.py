@@ -18,7 +18,7 @@ from .common.drawing import Drawing
 from .common.kernels.keys import EMPTY, FIRST
 from .common.scratch import Scratch
 from .coverage.coverage import Coverage, Layer
-from .coverage.kernels.composite import CLOSED
+from .coverage.kernels.resolve import CLOSED
 from .coverage.kernels.width_profiles import add_to_zbuffer
 from .film import haze
 from .film.aovs import Recorder

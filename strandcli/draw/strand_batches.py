@@ -12,14 +12,17 @@ from ..constants import BATCH_VERTICES, W
 from ..scene.model import Curves, Scene
 from .common.drawing import Drawing
 from .common.scratch import Scratch
+from .coverage.kernels import width_profiles
 from .coverage.kernels.width_profiles import Profiles
-from .coverage.width_profiles import profiles_of
 from .geometry.curves import Polylines, flatten, greatest_pieces
 from .geometry.detail import Level
 from .geometry.extent import lost_of, widths_of
 from .geometry.kernels.curves import shorten
 from .view.camera import View
 from .zbuffer import raster
+
+WIDE, WIDEST = 2.0, 4.0
+"""Widths, pixels, from which profiles begin to count, and count fully."""
 
 
 @dataclass(frozen=True)
@@ -158,3 +161,22 @@ def divide(strands: int, n: int, curves: Curves) -> list[tuple[int, int]]:
     vertices = (n - 1) * greatest_pieces(curves) + 1
     step = max(BATCH_VERTICES // vertices // W, 1) * W
     return [(begin, min(begin + step, strands)) for begin in range(0, strands, step)]
+
+
+def profiles_of(
+    screen: NDArray[np.float32], widths: NDArray[np.float32] | None, samples: int, scratch: Scratch
+) -> Profiles | None:
+    """Return profiles, not yet filled, for the wide vertices of polylines; None if there are none.
+
+    screen (V, 3), widths (V,): samples; ``samples``: along a side of a pixel."""
+    if widths is None or not len(widths) or not float(widths.max()) > WIDE * samples:
+        return None
+    wide = (widths > np.float32(WIDE * samples)) & (screen[:, 2] > 0)
+    count = int(np.count_nonzero(wide))
+    if count == 0:
+        return None
+    slots = scratch.borrow("slots", len(widths), np.int32)
+    slots.fill(-1)
+    slots[wide] = np.arange(count, dtype=np.int32)
+    profile = scratch.borrow("profile", (count, width_profiles.COLUMNS + 1, 3), np.float32)
+    return Profiles(screen, widths, np.float32(samples), np.float32(WIDE), np.float32(WIDEST), slots, profile)

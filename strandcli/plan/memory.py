@@ -6,8 +6,7 @@ import math
 from typing import TYPE_CHECKING, Any
 
 from ..common.registry import FIBRES
-from ..constants import BATCH_VERTICES, FRAGMENTS, PART_BYTES, SORTED_BYTES, W
-from ..draw.coverage.room import LAYER_ROOM, SORTING_BYTES
+from ..constants import BATCH_VERTICES, FRAGMENTS, LAYER_ROOM, PART_BYTES, SORTED_BYTES, SORTING_BYTES, W
 from ..draw.shadows.shadow_model import ShadowModel, casts_map, counts_strands, model_of, needs_counts, shades_vertices
 from ..scene.model import MeshShape
 from ..scene.model.emitter import TIED

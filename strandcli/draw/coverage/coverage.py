@@ -17,7 +17,7 @@ from typing import Any
 import numpy as np
 from numpy.typing import NDArray
 
-from ...constants import FRAGMENT_BYTES, FRAGMENTS, PART_BYTES, SORTED_BYTES
+from ...constants import FRAGMENT_BYTES, FRAGMENTS, LAYER_ROOM, PART_BYTES, SORTED_BYTES
 from ...errors import RefusedError
 from ..common.kernels.view_columns import FLAT, DepthSlope
 from ..common.scratch import Scratch
@@ -31,7 +31,6 @@ from .kernels.tile_binning import TileSegments
 from .kernels.tiles import PIXELS, STEP, TILE_HEIGHT, TILE_WIDTH, Fragments
 from .kernels.width_profiles import Profiles, add_to_fragments
 from .kernels.windows import BLOCK, MOST, SAFE, SPAN, PictureWindows
-from .room import LAYER_ROOM
 
 NO_WINDOWS = PictureWindows(np.zeros(0, np.float32), 0, 0)
 

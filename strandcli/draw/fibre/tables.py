@@ -10,7 +10,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from ..coverage.kernels.width_profiles import COLUMNS
-from .kernels.width_highlights import CHANNELS
+from .kernels.lobes import CHANNELS
 
 PATH_FLOOR = 1e-6
 NO_PATHS = np.zeros((0, 0, 2), np.float32)

@@ -24,7 +24,7 @@ from ..geometry.extent import Thickness
 from ..solids.solids import NONE, ball_of, rows_of
 from ..view.camera import ball
 from .kernels import occlusion as kernel
-from .kernels import occlusion_cells, occlusion_sweep
+from .kernels import occlusion_sweep
 from .kernels.occlusion import CHANNELS, MEAN
 
 FEWEST, MOST = 12, 256
@@ -73,7 +73,7 @@ def build(
     step = max(strands // ENOUGH, 1)
     weight = strands / len(range(0, strands, step)) / float(np.prod(sides.astype(np.float64)))
     chosen = np.arange(0, strands, step) if numbers is None else np.flatnonzero(numbers % step == 0)
-    occlusion_cells.count_strands(
+    occlusion_sweep.count_strands(
         positions, chosen, np.float32(thickness.width), np.float32(thickness.taper),
         None if level is None else level.scale, shares, np.float32(weight), box, cells,
     )  # fmt: skip

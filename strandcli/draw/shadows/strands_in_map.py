@@ -17,7 +17,7 @@ from ..zbuffer.raster import to_screen
 from .kernels import deep_strands, map_parts, opacity_maps, part_vertices, simplify
 from .kernels.deep_strands import CELL, LEVELS, NO_SKETCH, WEIGHTS, Sketch
 from .kernels.map_parts import BITS, PART, PARTS, MapView, PartsInMap, StrandsInMap
-from .kernels.map_segments import SEGMENTS
+from .kernels.splats import SEGMENTS
 
 NO_EXTENTS = np.zeros((0, 2), np.float32)
 FEWEST = 4000

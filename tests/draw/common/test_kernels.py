@@ -15,7 +15,7 @@ from strandcli.draw.common.kernels import surface_batch
 from strandcli.draw.common.kernels.view_columns import DepthSlope
 from strandcli.draw.coverage.kernels import cells, fragments
 from strandcli.draw.coverage.kernels import ribbon as coverage_ribbon
-from strandcli.draw.fibre.kernels import chiang, dual, dual_scattering, marschner
+from strandcli.draw.fibre.kernels import chiang, dual, marschner
 from strandcli.draw.film.kernels import film
 from strandcli.draw.geometry.kernels import curves, piece_counts, ribbon, tangents
 from strandcli.draw.lighting.kernels import light, shade_strands
@@ -130,7 +130,7 @@ CALLS: dict[str, tuple[Any, tuple[Any, ...]]] = {
         (LIT, 1, TABLE, 0, chiang.ChiangArrays(ROW, *[np.ones((3, 3, k), np.float32) for k in (12, 4)])),
     ),
     "chiang's lobes": (chiang.longitudinal, (*3 * (3 * (ONE,),), ROW)),
-    "kajiya_diffuse": (dual_scattering.kajiya_diffuse, (ONE,) * 6),
+    "kajiya_diffuse": (dual.kajiya_diffuse, (ONE,) * 6),
 }  # fmt: skip
 
 

@@ -12,7 +12,7 @@ from hypothesis import strategies as st
 
 from fibre_kit import scattered
 from strandcli.draw.fibre import marschner as tables_of
-from strandcli.draw.fibre.kernels.dual_scattering import kajiya_diffuse
+from strandcli.draw.fibre.kernels.dual import kajiya_diffuse
 from strandcli.draw.fibre.pigment import absorption
 from strandcli.scene.model import Material
 from tests.reference import marschner as ref

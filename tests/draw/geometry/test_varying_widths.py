@@ -14,7 +14,7 @@ from strandcli.draw.common.scratch import Scratch
 from strandcli.draw.coverage.coverage import Coverage
 from strandcli.draw.geometry.curves import Polylines, flatten
 from strandcli.draw.geometry.extent import Thickness, lost_of, widths_of
-from strandcli.draw.lighting.kernels import occlusion_cells
+from strandcli.draw.lighting.kernels import occlusion_sweep
 from strandcli.draw.lighting.kernels.occlusion import BOX_SIZE, CHANNELS, DENSITY
 from strandcli.draw.shadows.kernels.map_parts import WIDE
 from strandcli.draw.shadows.strands_in_map import parts_in_map, simplified
@@ -185,7 +185,7 @@ def test_the_grid_of_the_sky_counts_widths() -> None:
     for each, share in ((shares, 0.0), (taper, 0.0), (None, 0.6)):
         cells = np.zeros((counts**3, CHANNELS), np.float32)
         scale = np.full(MANY, 2, np.float32)
-        occlusion_cells.count_strands(
+        occlusion_sweep.count_strands(
             positions, np.arange(MANY), np.float32(0.002), np.float32(share), scale, each, np.float32(1), box, cells
         )
         found.append(float(cells[:, DENSITY].sum(dtype=np.float64)))

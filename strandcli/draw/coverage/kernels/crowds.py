@@ -1,10 +1,10 @@
 """Fragments that cannot be seen, because those in front of them let no light through, left out before they are sorted.
 
 Of a pixel's fragments nearer than some depth, the light that they let through is at most the product of 1 − opacity:
-parts of one surface, whose opacities add up (see `composite`), let less through. While fragments are found, they are
-multiplied in the order in which they come: rows of segments come about nearest first (see `row_order`), so the farthest
-of them soon hides the rest. Long lists are then multiplied in `SLICES` of depth, which takes no sorting. Compositing
-never reaches what is left out, and neither pictures nor the order in which fragments are found matter.
+parts of one surface, whose opacities add up (see `resolve.composite`), let less through. While fragments are found,
+they are multiplied in the order in which they come: rows of segments come about nearest first (see `order_rows`), so
+the farthest of them soon hides the rest. Long lists are then multiplied in `SLICES` of depth, which takes no sorting.
+Compositing never reaches what is left out, and no picture depends on the order in which fragments are found.
 """
 
 from __future__ import annotations
@@ -14,6 +14,7 @@ import numpy as np
 from ....jit import device, inlined
 from ....simd import load, quadruple_pointer, store
 from ...common.kernels.numbers import ONE, ZERO
+from .tile_binning import BLOCK
 from .tiles import AT_DEPTH, AT_OPACITY, AT_PLACE, NUMBERS, PIXELS
 
 SLICES = 32
@@ -112,3 +113,57 @@ def keep_visible(listed, depths, first, n, farthest):
         store(fragments, o * FOUR, load(fragments, i * FOUR))
         o += np.uint64(depth >= farthest)
     return np.int64(o) - np.int64(first)
+
+
+CROWDED = 384
+"""Rows of a tile from which on they are ordered."""
+ROW_SLICES = PIXELS - 1
+ROW_SLICE_COUNT = np.float32(ROW_SLICES)
+
+
+@device
+def list_rows(segments, tile, slots):
+    """Write where the rows of a tile are in the pool to slots (room,) int32, as many as there is room for; return how
+    many there are. segments: `tile_binning.TileSegments`."""
+    n = np.int64(0)
+    room = slots.shape[0]
+    for one in range(segments.heads.shape[0]):
+        block, stop = segments.heads[one, tile], segments.fills[one, tile]
+        while stop > 0:
+            final = block == (stop - 1) // BLOCK
+            begin, end = block * BLOCK, stop if final else block * BLOCK + BLOCK
+            for slot in range(begin, min(end, begin + max(room - n, 0))):
+                slots[n + slot - begin] = slot
+            n += end - begin
+            if final:
+                break
+            block = segments.links[block]
+    return n
+
+
+@device
+def order_rows(row_depths, slots, listed, depths, begin):
+    """Write listed rows (n,) to slots (n,), nearest first; row_depths: of `TileSegments`; depths (n or more,) float32,
+    begin (PIXELS,) int32: scratch."""
+    n = slots.shape[0]
+    low, high = np.float32(np.inf), np.float32(-np.inf)
+    for i in range(n):
+        depth = row_depths[listed[i]]
+        depths[i] = depth
+        low, high = min(low, depth), max(high, depth)
+    per = ROW_SLICE_COUNT / max(high - low, TINY)
+    begin[:] = 0
+    for i in range(n):
+        begin[slice_of(depths[i], high, per) + 1] += 1
+    for k in range(ROW_SLICES):
+        begin[k + 1] += begin[k]
+    for i in range(n):
+        k = slice_of(depths[i], high, per)
+        slots[begin[k]] = listed[i]
+        begin[k] += 1
+
+
+@device
+def slice_of(depth, high, per):
+    """Return the slice of a depth number; high: the greatest; per: slices for each unit of depth numbers."""
+    return min(np.int64((high - depth) * per), ROW_SLICES - 1)

@@ -14,9 +14,18 @@ from ...common.kernels.numbers import HALF, ONE, STEPS, ZERO
 from . import cells
 from . import segments as seg
 from .cells import CELLS, LANES, cover_cells, write_fragment
-from .joined import measure_joints
 from .ribbon import cover_ribbon
-from .segments import BEHIND, NO_LENGTH, RIBBON, SEGMENTS, from_axis, keep_last, load_vertices, measure_segments
+from .segments import (
+    BEHIND,
+    NO_LENGTH,
+    RIBBON,
+    SEGMENTS,
+    from_axis,
+    keep_last,
+    load_vertices,
+    measure_joints,
+    measure_segments,
+)
 from .tile_binning import LOW, SHIFT, START_AND_FIRST, STRAND_AND_LAST
 from .tiles import ROW_BITS, THIN, TILE_HEIGHT, TILE_WIDTH
 from .windows import find_windows
@@ -81,7 +90,7 @@ def find_fragments(strands, solids, pool, slots, width, work, target, marks):
     """Find the fragments of strands and of solids' edges in a tile; return their number, without those that are found
     to be hidden by others.
 
-    strands: `Strands`; solids: `SolidPixels`; pool: of `tile_binning.TileSegments`; slots: from `row_order.list_rows`;
+    strands: `Strands`; solids: `SolidPixels`; pool: of `tile_binning.TileSegments`; slots: from `crowds.list_rows`;
     width: of the picture; work: `cells.Work`; target: `cells.Target`, written; marks (V,): only prefetched, because
     compositing writes to it soon.
     """

@@ -17,7 +17,8 @@ from ....jit import inlined
 from ....simd import half_width_pointer, lane_count, load, pointer, sqrt, store, where
 from ...common.kernels.numbers import HALF, ONE, STEPS, TWO, ZERO
 from ...geometry.kernels.ribbon import cross_section, make_ribbon
-from . import joined, tiles
+from . import segments as seg
+from . import tiles
 from .cells import write_fragment
 from .crowds import count_visible
 
@@ -26,7 +27,7 @@ FLAT = np.float32(1 / 16)
 FAINT = np.float32(1e-5)
 """Share of a cell up to which no fragment is made."""
 OPAQUE = np.float32(1 - 1 / 512)
-"""Opacity that hides everything behind it, as in `composite`."""
+"""Opacity that hides everything behind it, as in `resolve`."""
 TINY = np.float32(1e-30)
 ROUNDED = np.float32(1e-3)
 """Pixels across by which more is examined than can be covered, for rounding."""
@@ -79,7 +80,7 @@ def cover_ribbon(strands, widths, v, begin, i, scratch, target, m):
     """Append the fragments of the segment from vertex v − 1 to v to the m found so far; return their new number.
 
     strands: `fragments.Strands`; widths: of the strands, None: one pixel; begin: first vertex of its strand; i: its
-    number in the rows of `joined`; scratch: `cells.Work`; target: `cells.Target`.
+    number in the rows of `segments.measure_joints`; scratch: `cells.Work`; target: `cells.Target`.
     """
     work, joints = scratch.ribbon, pointer(scratch.segments)
     screen = strands.screen
@@ -88,8 +89,8 @@ def cover_ribbon(strands, widths, v, begin, i, scratch, target, m):
     target.widest[0] = max(target.widest[0], max(w0, w1))
     flat = abs(screen[v, 0] - screen[v - 1, 0]) >= abs(screen[v, 1] - screen[v - 1, 1])
     ribbon = make_ribbon(
-        screen, v, w0, w1, flat, (joints[joined.DX + i], joints[joined.DY + i], joints[joined.PER_LENGTH + i]),
-        (joints[joined.MX0 + i], joints[joined.MY0 + i]), (joints[joined.MX1 + i], joints[joined.MY1 + i]),
+        screen, v, w0, w1, flat, (joints[seg.DX + i], joints[seg.DY + i], joints[seg.PER_SIZE + i]),
+        (joints[seg.MX0 + i], joints[seg.MY0 + i]), (joints[seg.MX1 + i], joints[seg.MY1 + i]),
     )  # fmt: skip
     band = measure_band(ribbon)
     cells = find_cells(ribbon, w0, w1, target)

@@ -59,7 +59,7 @@ class Fragments(NamedTuple):
     """(F,) position from that lit vertex to the next, 0 to 1; of fragments that take light from one vertex alone,
     from `alone`."""
     closed: NDArray[np.uint8]
-    """(height * width,) `composite.CLOSED` at the pixels of which `resolve.blend` leaves out what is behind the
+    """(height * width,) `resolve.CLOSED` at the pixels of which `resolve.blend` leaves out what is behind the
     fragments, and `SOLID`, too, where one of these is a solid's; 0 before."""
     stride: int
     """Every stride-th vertex of a strand is lit; a power of two."""

@@ -1,4 +1,16 @@
-"""Light across the width of strands that are wider than a few pixels (see `strandcli.draw.coverage.width_profiles`).
+"""Width profiles of strands near the camera: light that varies across their width.
+
+The light of a thin strand is the average over its width, which is all that a pixel shows of it. For strands wider than
+two pixels the average is resolved into columns of the offset h ∈ [−1, 1], each with its own part of the azimuthal
+functions,
+
+    N_p(θ, φ) = ½ ∫ A_p(θ, h) D(φ − Φ_p(h)) dh,
+
+so that R is a narrow streak on the side of the light, TT the glow of a strand in front of it, TRT the coloured streaks
+beside them. Light that is in no lobe, scattered from strand to strand, is distributed as a cosine. Only departures from
+the average are stored, and their sum over the width is 0: the total light of a strand is the same as far away, and
+between two and four pixels departures are faded in, so that nothing jumps as the camera comes near. The part of the
+width that a pixel shows is averaged exactly, so that a strand three pixels wide does not flicker.
 
 A wide vertex has a profile over the offset h ∈ [−1, 1] across the strand: the departure of its light from the average
 over the width. h increases along b = t × e, where t is the tangent and e the direction to the eye; on the screen, with

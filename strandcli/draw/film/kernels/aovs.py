@@ -10,7 +10,7 @@ from ...common.kernels.batch import ARRIVES, ROWS, X, set_vector
 from ...common.kernels.keys import LOW, SHIFT
 from ...common.kernels.light_columns import POWER_B, POWER_G, POWER_R
 from ...common.kernels.numbers import ONE, ZERO
-from ...coverage.kernels.composite import OPAQUE
+from ...coverage.kernels.resolve import OPAQUE
 from ...coverage.kernels.tiles import PIXELS, TILE_WIDTH, between, tile_at
 from ...lighting.kernels.shade_strands import aim, past_solids, past_strands
 from ...solids.kernels import rays

@@ -70,7 +70,7 @@ class Lights(NamedTuple):
 
 
 class WidthProfiles(NamedTuple):
-    """Light across strands that are wider than two pixels (`strandcli.draw.coverage.width_profiles`)."""
+    """Light across strands that are wider than two pixels (`strandcli.draw.coverage.kernels.width_profiles`)."""
 
     slots: NDArray[np.int32]
     """(V,) number of each vertex's profile, or −1."""

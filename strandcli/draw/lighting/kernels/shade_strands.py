@@ -28,10 +28,9 @@ from ...common.kernels.light_columns import (
 from ...common.kernels.numbers import HALF, ONE, ZERO
 from ...common.kernels.view_columns import EYE_X, EYE_Y, EYE_Z, FORWARD_X, FORWARD_Y, FORWARD_Z, PERSPECTIVE
 from ...coverage.kernels import width_profiles
-from ...fibre.kernels.dual_scattering import diffuse_light, dual_scattering
+from ...fibre.kernels.dual import diffuse_light, dual_scattering
 from ...fibre.kernels.highlights import highlights
-from ...fibre.kernels.lobes import ALL, mixed, mixed_pair, place_at
-from ...fibre.kernels.width_highlights import width_highlights
+from ...fibre.kernels.lobes import ALL, mixed, mixed_pair, place_at, width_highlights
 from ...shadows.kernels.solid_shadows import hard_shadows, soft_shadows
 from ...shadows.kernels.strand_shadows import count_behind, count_in_front, shade_by_minmax
 from .light import ambient_light, toward

@@ -8,7 +8,7 @@ from ....jit import function, inlined, parallel, prange
 from ....simd import pointer, prefetch
 from ...common.kernels.numbers import INF, ONE, ZERO
 from ...zbuffer.kernels.lines import Window
-from . import cell_extents, map_segments, splats
+from . import cell_extents, splats
 from .map_parts import AT, BOTTOM, COUNT, TOP
 from .minmax import FARTHEST, NEAREST
 from .opacity import HEAD, ROW, SCALE, START, TEXELS, WHOLE
@@ -75,14 +75,14 @@ def fetch(parts, k):
 @inlined
 def draw_part(work, n, held, parts, k, window, view, opacity_map):
     """Bring the vertices of part k into a run, and draw its segments once it has many. Return how many pieces the batch
-    and how many vertices the run holds then, which held n and `held`; work: rows of `map_segments`."""
+    and how many vertices the run holds then, which held n and `held`; work: rows of `splats`."""
     begin, count = np.int64(parts.order[k, AT]), np.int64(parts.order[k, COUNT])
-    for past in range(0, count, map_segments.RUN):
-        held = map_segments.append(work, held, parts.kept, begin + past, min(count - past, map_segments.RUN))
-        if held > map_segments.RUN:
-            whole = (held - 1) // map_segments.SEGMENTS * map_segments.SEGMENTS
+    for past in range(0, count, splats.RUN):
+        held = splats.append(work, held, parts.kept, begin + past, min(count - past, splats.RUN))
+        if held > splats.RUN:
+            whole = (held - 1) // splats.SEGMENTS * splats.SEGMENTS
             n = draw_segments(work, n, whole, window, view, opacity_map)
-            held = map_segments.leave_out(work, held, whole)
+            held = splats.leave_out(work, held, whole)
     return n, held
 
 
@@ -90,8 +90,8 @@ def draw_part(work, n, held, parts, k, window, view, opacity_map):
 def draw_segments(work, n, count, window, view, opacity_map):
     """Draw what lies within the window of the first segments of a run, so many; return how many pieces the batch holds
     then, which held n."""
-    for first in range(0, count, map_segments.SEGMENTS):
-        segments = map_segments.find_segments(work, first, count, window, view)
+    for first in range(0, count, splats.SEGMENTS):
+        segments = splats.find_segments(work, first, count, window, view)
         n = splats.collect(work, n, segments, window, opacity_map)
     return n
 

@@ -35,8 +35,20 @@ from ...common.kernels.surface_batch import AWAY, BLUR, CLOUD, COLUMNS, LEFT, RA
 from ...common.kernels.view_columns import DEPTH_RANGE, FOCAL, NEAR_PLANE, PERSPECTIVE
 from ...fibre.kernels.dual import HALF_WAY
 from . import opacity
-from .deep_map import DeepMap, cell_at, cells_in, heads_of, layers_of, passed_at, passed_in_cell
-from .filter_window import WIDEST, column_of, row_of, store_columns, windows_about
+from .filter_window import (
+    WIDEST,
+    DeepMap,
+    cell_at,
+    cells_in,
+    column_of,
+    heads_of,
+    layers_of,
+    passed_at,
+    passed_in_cell,
+    row_of,
+    store_columns,
+    windows_about,
+)  # fmt: skip
 from .minmax import texel_of
 from .window_blocks import NO_BITS, blocks_about, is_shaded, shaded_columns
 

@@ -24,14 +24,100 @@ from ....simd import (
     half_width_pointer,
     lane_count,
     load,
+    load_quadruples,
     pointer,
     prefetch,
+    sqrt,
     store,
     where,
 )
 from ...common.kernels.numbers import HALF, ONE, STEPS, TWO, ZERO
-from . import map_segments as seg
+from .map_parts import TINY
 from .opacity import HEAD, TEXELS
+
+FINEST = np.float32(64.0)
+"""Most pieces that a texel is cut into where a segment leads away from the light."""
+PER_TEXEL = np.float32(0.5)
+"""Pieces for each texel of depth: where a segment leads away from the light by more than two in a texel's width."""
+SEGMENTS = 16
+"""Segments that are looked at together."""
+RUN = 64
+"""Segments of a run from which on they are drawn, and most vertices that come into it at once: whole vectors."""
+BATCH = 256
+"""Pieces of a batch: whole vectors."""
+
+# Rows of numbers. First what is kept of segments: least and greatest place along the longer axis, texels, and that of
+# the first vertex; there, place along the other axis, texels, and depth, metres; how much these change a texel; area a
+# texel, texels; number of the first piece, how many there are, and how long each is, texels; 1 where it is steep.
+LOW, HIGH, NEAR, ACROSS, DEPTH, STEP, RISE, AREA, BEGIN, PIECES, LENGTH, STEEP = (k * SEGMENTS for k in range(12))
+VERTICES = 12 * SEGMENTS
+"""The vertices of a run, as in `PartsInMap.kept`."""
+OUT = VERTICES + 4 * (2 * RUN + SEGMENTS)
+"""Where the rows of a batch begin."""
+
+
+@device
+def append(work, held, kept, begin, count):
+    """Bring up to `RUN` vertices from number `begin` on into a run that holds some; return how many it holds then."""
+    rows, points = pointer(work), pointer(kept)
+    for at in range(0, 4 * count, lane_count(rows)):
+        store(rows, VERTICES + 4 * held + at, load(points, 4 * begin + at))
+    return held + count
+
+
+@device
+def leave_out(work, held, segments):
+    """Take segments, whole vectors of them, off the beginning of a run; return how many vertices it holds then."""
+    rows = pointer(work)
+    for at in range(0, 4 * (held - segments), lane_count(rows)):
+        store(rows, VERTICES + at, load(rows, VERTICES + 4 * segments + at))
+    return held - segments
+
+
+@device
+def find_segments(work, begin, count, window, view):
+    """Write the rows of up to `SEGMENTS` segments of a run, which has so many, from number `begin` on; return how many.
+
+    Texels cut segments; those that lead away from the light are cut into more pieces."""
+    rows = pointer(work)
+    top, bottom, size = np.float32(window.top), np.float32(window.bottom), np.float32(window.width)
+    lane = load(pointer(STEPS), 0)
+    none = ZERO * lane
+    for k in range(0, SEGMENTS, lane_count(rows)):
+        at = VERTICES + 4 * (begin + k)
+        x0, y0, d0, _ = load_quadruples(rows, at)
+        x1, y1, d1, wide = load_quadruples(rows, at + 4)
+        dx, dy, rise = x1 - x0, y1 - y0, d1 - d0
+        steep = abs(dy) >= abs(dx)
+        near, far = where(steep, y0, x0), where(steep, y1, x1)
+        low, high = min(near, far), max(near, far)
+        length = high - low
+        # flat segments add to the rows of cells next to theirs, and a light may be so near that a segment is longer
+        # than its map
+        there = (wide >= ZERO) & (lane < np.float32(count - begin - k))
+        there = there & (length >= TINY) & (length <= size * np.float32(4.0))
+        there = there & (max(y0, y1) >= top - ONE) & (min(y0, y1) <= bottom + ONE)
+        away = abs(rise) * (PER_TEXEL * view.focal)
+        if not view.far > ZERO:
+            away *= HALF * (ONE / d0 + ONE / d1)
+        parts = where(away > length, floor(min(away / length, FINEST)) + ONE, ONE + none)
+        first = max(floor(parts * low), parts * where(steep, top + none, none))
+        end = min(floor(parts * high) + ONE, parts * where(steep, bottom + none, size + none))
+        slope = ONE / (far - near)
+        store(rows, LOW + k, low)
+        store(rows, HIGH + k, high)
+        store(rows, NEAR + k, near)
+        store(rows, ACROSS + k, where(steep, x0, y0))
+        store(rows, DEPTH + k, d0)
+        store(rows, STEP + k, where(steep, dx, dy) * slope)
+        store(rows, RISE + k, rise * slope)
+        store(rows, AREA + k, wide * sqrt(dx * dx + dy * dy) / length)
+        store(rows, BEGIN + k, first)
+        store(rows, PIECES + k, where(there, max(end - first, ZERO), none))
+        store(rows, LENGTH + k, ONE / parts)
+        store(rows, STEEP + k, where(steep, ONE + none, none))
+    return min(count - begin, SEGMENTS)
+
 
 OUTSIDE = np.float32(-10.0)
 """Place of a splat that adds nothing."""
@@ -42,9 +128,9 @@ PAIR = 2
 
 # Rows of a batch, one number a splat: place, texels, of which one is whole; depth, metres; area, texels². Then two rows
 # each, one a texel: what is added, and int32 where.
-U, V, DEEP, SIZE = (seg.OUT + row * seg.BATCH for row in range(4))
-ADDED, AT = (seg.OUT + row * seg.BATCH for row in (4, 6))
-ROOM = seg.OUT + 8 * seg.BATCH
+U, V, DEEP, SIZE = (OUT + row * BATCH for row in range(4))
+ADDED, AT = (OUT + row * BATCH for row in (4, 6))
+ROOM = OUT + 8 * BATCH
 """Numbers of a batch with what is kept of segments."""
 
 
@@ -65,7 +151,7 @@ class OpacityMap(NamedTuple):
 def collect(work, n, segments, window, opacity_map):
     """Add the splats of segments to a batch of n; return how many it holds then. A full batch is added to the map.
 
-    work: rows of `map_segments`, of pieces of texels.
+    work: rows above.
     """
     s = past = np.int64(0)
     while s < segments:
@@ -86,25 +172,25 @@ def collect_some(work, n, segments, s, past):
     lanes = lane_count(rows)
     numbers = load(half_width_pointer(STEPS), 0)
     while s < segments:
-        pieces = np.int64(work[seg.PIECES + s])
-        low, high, near, length = work[seg.LOW + s], work[seg.HIGH + s], work[seg.NEAR + s], work[seg.LENGTH + s]
+        pieces = np.int64(work[PIECES + s])
+        low, high, near, length = work[LOW + s], work[HIGH + s], work[NEAR + s], work[LENGTH + s]
         across, step, depth, rise = (
-            work[seg.ACROSS + s] - HALF,
-            work[seg.STEP + s],
-            work[seg.DEPTH + s],
-            work[seg.RISE + s],
+            work[ACROSS + s] - HALF,
+            work[STEP + s],
+            work[DEPTH + s],
+            work[RISE + s],
         )
-        along, beside = (V, U) if work[seg.STEEP + s] > ZERO else (U, V)
+        along, beside = (V, U) if work[STEEP + s] > ZERO else (U, V)
         while past < pieces:
-            if n > seg.BATCH - lanes:
+            if n > BATCH - lanes:
                 return n, s, past
-            piece = numbers + (work[seg.BEGIN + s] + np.float32(past))
+            piece = numbers + (work[BEGIN + s] + np.float32(past))
             begin, end = max(length * piece, low), min(length * (piece + ONE), high)
             t = HALF * (begin + end) - near
             store(rows, along + n, floor(length * (piece + HALF)))
             store(rows, beside + n, across + t * step)
             store(rows, DEEP + n, depth + t * rise)
-            store(rows, SIZE + n, work[seg.AREA + s] * max(end - begin, ZERO))  # it may end before its first texel
+            store(rows, SIZE + n, work[AREA + s] * max(end - begin, ZERO))  # it may end before its first texel
             n += min(pieces - past, lanes)
             past += lanes
         s += 1
@@ -126,10 +212,10 @@ def add(work, n, window, opacity_map):
     numbers = pointer(stacks)
     for k in range(np.uint64(n)):
         prefetch(numbers, np.int64(places[np.uint64(AT) + k]))
-        prefetch(numbers, np.int64(places[np.uint64(AT + seg.BATCH) + k]))
+        prefetch(numbers, np.int64(places[np.uint64(AT + BATCH) + k]))
     for k in range(np.uint64(n)):
         stacks[np.uint64(places[np.uint64(AT) + k])] += work[np.uint64(ADDED) + k]
-        stacks[np.uint64(places[np.uint64(AT + seg.BATCH) + k])] += work[np.uint64(ADDED + seg.BATCH) + k]
+        stacks[np.uint64(places[np.uint64(AT + BATCH) + k])] += work[np.uint64(ADDED + BATCH) + k]
 
 
 @device
@@ -155,7 +241,7 @@ def find(rows, k, window, opacity_map):
         ended = floor(most * (far / (far + ONE)))
         layer = min(ended, np.float32(opacity_map.layers - 1))
         own = TWO * (row - TWO * cell_row) + (column - TWO * cell_column)
-        at = texel * seg.BATCH + k
+        at = texel * BATCH + k
         number = where(inside, number, ZERO)
         place = np.float32(TEXELS) * (layer + ONE) + own
         store(rows, AT + at, bits_of_places(begin, number, stride, place))

@@ -50,7 +50,7 @@ class WindowBlocks(NamedTuple):
 @inlined
 def blocks_about(windows, wide, used, d, deep):
     """Return the `WindowBlocks` of `filter_window.windows_about`; wide: their columns; used: mask of the points that
-    have a window; d: depths of the points; deep: `deep_map.DeepMap`."""
+    have a window; d: depths of the points; deep: `filter_window.DeepMap`."""
     column, row = floor(HALF * windows.left), floor(HALF * windows.top)
     left, right = least(column, used), greatest(column, used)
     step, leap = least(windows.jump, used), greatest(windows.jump, used)
