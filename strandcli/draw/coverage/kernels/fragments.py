@@ -21,7 +21,6 @@ from .segments import (
     RIBBON,
     SEGMENTS,
     from_axis,
-    keep_last,
     load_vertices,
     measure_joints,
     measure_segments,
@@ -199,7 +198,8 @@ def add_row(row, strands, widths, work, n, target, m):
                 run = kind
             v = after
             k = i
-        keep_last(rows, k)
+        for one in range(seg.SEGMENT_ROWS):  # the segment before those that are loaded next
+            rows[seg.KIND + one * seg.ROW] = rows[seg.KIND + one * seg.ROW + k]
         k = np.int64(0)
         base += count
 
@@ -209,7 +209,7 @@ def list_cells(work, k, v, place, run, start, closing, n, target, m):
     """Collect the cells that segment number k, from vertex v − 1 to v, leaves, and, if `closing`, the cell in which its
     run ends; draw the cells collected so far if there is no room. Return the new numbers n of cells and m of fragments.
 
-    place: fixed-point position of the segment's beginning (see `tiles.fixed_point`); run: kind of the segments; start:
+    place: fixed-point position of the segment's beginning (see `tiles`); run: kind of the segments; start:
     where the run begins, along.
 
     Most segments leave few cells: a whole vector is written, and the next segment overwrites the excess.

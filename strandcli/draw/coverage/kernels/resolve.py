@@ -6,7 +6,7 @@ import numpy as np
 
 from ....jit import device, inlined, parallel, prange
 from ....simd import broadcast, load, pointer, prefetch, store, triple_pointer
-from ...common.kernels.numbers import ONE, ZERO
+from ...common.kernels.numbers import ONE, TWO, ZERO
 from . import cells, ribbon, segments
 from .crowds import CROWDED, ROUNDED, list_by_pixel, list_rows, order_rows
 from .fragments import Strands, find_fragments
@@ -22,7 +22,6 @@ from .tiles import (
     STEP,
     TILE_WIDTH,
     UNIT,
-    alone,
     tile_at,
 )
 from .windows import WINDOWS
@@ -31,7 +30,7 @@ INITIAL_ROOM = np.int64(49152)
 """Initial capacity for the fragments of a tile."""
 AHEAD = np.uint64(24)
 """Fragments that light is prefetched ahead of its use."""
-NONE, TWO, THREE = np.uint64(0), np.uint64(2), np.uint64(3)
+NONE, SECOND, THREE = np.uint64(0), np.uint64(2), np.uint64(3)
 
 
 @parallel
@@ -86,7 +85,7 @@ def resolve(lines, opacity, depth_slope, solids, segments_, tasks, out, found, m
                 depths = np.empty(room + RUN, np.float32)
             found[number] = n if n <= end - o else -n
             if n == 0 or n > end - o:
-                set_empty(out, number)
+                set_begin(out, number, -1, ZERO)
                 continue
             set_begin(out, number, o, widest[0])
             list_by_pixel(fragments, n, counts, ends, depths, listed)
@@ -96,21 +95,14 @@ def resolve(lines, opacity, depth_slope, solids, segments_, tasks, out, found, m
             o = composite(listed, counts, ends, order, lines.screen.shape[0], tile, o, out, marks)
 
 
-# Functions of their own, because Numba drops direct writes of a parallel loop to a member of a tuple as dead code.
-
-
-@device
-def set_empty(out, number):
-    """Store that a tile has no fragments."""
-    out.begin[number] = -1
-    out.counts[number * PIXELS : (number + 1) * PIXELS] = 0
-
-
 @device
 def set_begin(out, number, o, widest):
-    """Store the index of a tile's first fragment, and the width of its widest segment."""
+    """Store the index of a tile's first fragment, −1 for none, and the width of its widest segment. A function of its
+    own, because Numba drops direct writes of a parallel loop to a member of a tuple as dead code."""
     out.begin[number] = o
     out.widest[number] = widest
+    if o < 0:
+        out.counts[number * PIXELS : (number + 1) * PIXELS] = 0
 
 
 @parallel
@@ -152,7 +144,7 @@ def blend_tile(fragments, tile, radiance, light, image):
                 w, along = fragments.weight[i], fragments.along[i]
                 later = THREE * np.uint64(vertex[min(i + AHEAD, last)])
                 prefetch(pointer(radiance), later)
-                prefetch(pointer(radiance), later + step + TWO)
+                prefetch(pointer(radiance), later + step + SECOND)
                 if v < vertices:
                     # weights of the lit vertices after and before the fragment
                     far = w * max(along, ZERO)
@@ -182,15 +174,6 @@ BETWEEN = np.int64((1 << STEP) - 1)
 """Bits of a position that tell how far it is from a lit vertex to the next."""
 
 
-@inlined
-def numbers(fragments, i):
-    """Return opacity, vertex and fixed-point position of fragment number i."""
-    first = np.uint64(i) * FOUR
-    alpha = np.int32(fragments[first + AT_OPACITY]).view(np.float32)
-    vertex = np.int64(np.uint32(fragments[first + AT_VERTEX]))
-    return alpha, vertex, np.int64(np.uint32(fragments[first + AT_PLACE]) >> PIXEL_BITS)
-
-
 @device
 def composite(fragments, counts, ends, order, vertices, tile, o, out, marks):
     """Write the visible fragments of a tile, with their weights, to `out` from index o on; return the index of their
@@ -217,7 +200,10 @@ def composite(fragments, counts, ends, order, vertices, tile, o, out, marks):
         total = ZERO
         solid = False
         while (m < end) & (through >= OPAQUE):
-            alpha, identity, t = numbers(fragments, order[np.uint64(m)])
+            at = np.uint64(order[np.uint64(m)]) * FOUR
+            alpha = np.int32(fragments[at + AT_OPACITY]).view(np.float32)
+            identity = np.int64(np.uint32(fragments[at + AT_VERTEX]))
+            t = np.int64(np.uint32(fragments[at + AT_PLACE]) >> PIXEL_BITS)
             m += 1
             if abs(identity - previous) > 1:
                 front = through
@@ -234,7 +220,7 @@ def composite(fragments, counts, ends, order, vertices, tile, o, out, marks):
                 odd = t >> STEP
                 if front < out.slight:
                     identity += odd * out.stride
-                    along = alone(along - np.float32(odd))
+                    along = -TWO - (along - np.float32(odd))
                 else:
                     marks[np.uint64(identity + out.stride)] = 1
                 marks[np.uint64(identity)] = 1

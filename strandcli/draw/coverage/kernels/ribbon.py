@@ -207,11 +207,11 @@ def add_listed(work, n, vertex, past_lit, target, m):
     the pixel's occlusion depth: of a thousand wide strands in a pixel, few are in front of all that came before. Each
     fragment is written, and the end of the list advances only past visible ones, as in `cells.cover_cells`.
     """
-    o = np.uint64(m)
+    o, most = np.uint64(m), np.int64(1) << target.place_bits
     for k in range(np.uint64(n)):
         pixel = np.int64(work[np.uint64(PIXEL) + k])
         depth, alpha = work[np.uint64(DEPTH) + k], work[np.uint64(ALPHA) + k]
-        place = tiles.fixed_point(work[np.uint64(ALONG) + k], past_lit, target.place_bits)
+        place = past_lit << target.place_bits | min(np.int64(work[np.uint64(ALONG) + k] * np.float32(most)), most - 1)
         write_fragment(target.found, o, depth, alpha, vertex, place, pixel)
         visible = count_visible(target, np.uint64(pixel), depth, alpha)
         if visible & (alpha > OPAQUE):

@@ -75,14 +75,6 @@ def load_vertices(points, widths, v, count, work):
 
 
 @inlined
-def is_ribbon(dx, dy, size, wide):
-    """Return whether segments are drawn as ribbons, from their extent (dx, dy), length and greater width: h + s / 2 of
-    `cells`, times twice the extent along, is compared. Vectors or numbers."""
-    run = max(abs(dx), abs(dy))
-    return (wide > WIDE) & (wide * size + min(abs(dx), abs(dy)) > TALL * run)
-
-
-@inlined
 def kind_of(dx, dy, near, wide, widths):
     """Return the kind of segments from their extent (dx, dy), lesser depth number and greater width, vectors; widths:
     of all, or None, where each is a pixel wide and drawn as a ribbon."""
@@ -92,7 +84,9 @@ def kind_of(dx, dy, near, wide, widths):
     if widths is None:
         kind = broadcast(dx, RIBBON)
     elif any_lane(wide > WIDE):  # in many pictures none is
-        kind = where(is_ribbon(dx, dy, sqrt(dx * dx + dy * dy), wide), RIBBON, kind)
+        # h + s / 2 of `cells`, times twice the extent along
+        tall = wide * sqrt(dx * dx + dy * dy) + min(abs(dx), abs(dy)) > TALL * max(abs(dx), abs(dy))
+        kind = where((wide > WIDE) & tall, RIBBON, kind)
     kind = where(abs(du) < POINT, NO_LENGTH, kind)
     return where(near > ZERO, kind, BEHIND)
 
@@ -115,25 +109,19 @@ def reach_of(kind, wide):
 
 
 @inlined
-def rounding(near, rise, wide, per, far, depth_slope):
-    """Return a bound on how far wide segments' round sides are in front of their axes, depth numbers: that on `forward`
-    and `tilt` of `geometry.kernels.ribbon.depth_offsets`. Vectors.
+def nearest_of(q0, q1, wide, per, far, depth_slope):
+    """Return bounds on the depth numbers of all that segments show: of wide ones, with that on `forward` and `tilt` of
+    `geometry.kernels.ribbon.depth_offsets`. Vectors.
 
-    near: greater depth number; rise: from end to end; wide: greater width; per: one over the length along; far: sum of
-    the distances from the view's axis in x and in y, pixels, of a place in the tile.
+    q0, q1: depth numbers of their ends; wide: greater width; per: one over the length along; far: sum of the distances
+    from the view's axis in x and in y, pixels, of a place in the tile.
     """
+    near = max(q0, q1)
     half = HALF * wide
     aside = (far + wide) * depth_slope.per_depth  # the axis may lie outside the tile
-    steep = abs(rise) * min(half * abs(per), ONE) * (ONE + aside)
-    return ROUND * (half * max(depth_slope.per_depth * near + depth_slope.constant, ZERO) + steep)
-
-
-@inlined
-def nearest_of(q0, q1, wide, per, far, depth_slope):
-    """Return bounds on the depth numbers of all that segments show; q0, q1: at their ends; wide, per, far, depth_slope:
-    as in `rounding`. Vectors."""
-    near = max(q0, q1)
-    return where(wide > WIDE, near + rounding(near, q1 - q0, wide, per, far, depth_slope), near)
+    steep = abs(q1 - q0) * min(half * abs(per), ONE) * (ONE + aside)
+    round_ = ROUND * (half * max(depth_slope.per_depth * near + depth_slope.constant, ZERO) + steep)
+    return where(wide > WIDE, near + round_, near)
 
 
 @inlined
@@ -148,7 +136,7 @@ def from_axis(left, right, top, bottom, depth_slope):
 def measure_segments(work, widths, count, opacity, left, top, far, depth_slope, windows):
     """Store the rows from `KIND` on of the segments between count + 1 vertices; return whether any may be wide.
 
-    widths: as in `kind_of`; opacity: of the material; left, top: of the tile; far, depth_slope: as in `rounding`;
+    widths: as in `kind_of`; opacity: of the material; left, top: of the tile; far, depth_slope: as in `nearest_of`;
     windows: as in `windows.find_windows`.
     """
     rows = half_width_pointer(work)
@@ -194,13 +182,6 @@ def measure_segments(work, widths, count, opacity, left, top, far, depth_slope, 
         )  # fmt: skip
         store(rows, HIDDEN + k, gather(depths, 0, here, 1, ZERO))
     return ribbons
-
-
-@inlined
-def keep_last(work, k):
-    """Copy segment number k to entry 0, that of the segment before those that are loaded next."""
-    for row in range(SEGMENT_ROWS):
-        work[KIND + row * ROW] = work[KIND + row * ROW + k]
 
 
 TINY = np.float32(1e-30)

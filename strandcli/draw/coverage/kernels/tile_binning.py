@@ -85,7 +85,7 @@ class Region(NamedTuple):
     tall: np.float32
     """Its width and height."""
     far: np.float32
-    """As in `segments.rounding`."""
+    """As in `segments.nearest_of`."""
     depth_slope: Any
     """`strandcli.draw.common.kernels.view_columns.DepthSlope`"""
     windows: PictureWindows
@@ -158,12 +158,11 @@ def bin_strands(low, high, lines, extents, region, chains, work):
                     (new.left != open_.left) | (new.right != open_.right)
                     | (new.up != open_.up) | (new.down != open_.down)
                 ):  # fmt: skip
-                    close_rows(open_, new, s << SHIFT | v, chains)
                     here = np.int64(np.float32(start).view(np.uint32)) << SHIFT | (base + i - 1)
-                    open_rows(new, open_, here, chains)
+                    change_rows(open_, new, s << SHIFT | v, here, chains)
                     open_ = new
                 v = base + i - 1
-        close_rows(open_, nowhere, s << SHIFT | v, chains)
+        change_rows(open_, nowhere, s << SHIFT | v, np.int64(0), chains)
 
 
 @device
@@ -217,9 +216,10 @@ def tile_of(there, x, low, high, per, more):
 
 
 @inlined
-def close_rows(old, new, end, chains):
-    """Append to the chains the rows of segments that are open in the tiles `old` and not continued in `new`; end: their
-    `STRAND_AND_LAST`."""
+def change_rows(old, new, end, here, chains):
+    """Append to the chains the rows of segments that are open in the tiles `old` and not continued in `new`, and open
+    one in those of `new` that are not among `old`; end: `STRAND_AND_LAST` of the former, here: `START_AND_FIRST` of the
+    latter."""
     task = chains.worker
     for y in range(np.int64(old.up), np.int64(old.down)):
         for x in range(np.int64(old.left), np.int64(old.right)):
@@ -234,11 +234,6 @@ def close_rows(old, new, end, chains):
             chains.segments.pool[slot, STRAND_AND_LAST] = end
             chains.segments.depths[slot] = chains.screen[(chains.opened[tile] & LOW) - 1, 2]
 
-
-@inlined
-def open_rows(new, old, here, chains):
-    """Open a row of segments in the tiles `new` that are not among `old`, where one is open; here: their
-    `START_AND_FIRST`."""
     for y in range(np.int64(new.up), np.int64(new.down)):
         for x in range(np.int64(new.left), np.int64(new.right)):
             if not ((x >= old.left) & (x < old.right) & (y >= old.up) & (y < old.down)):

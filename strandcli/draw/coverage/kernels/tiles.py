@@ -16,7 +16,7 @@ from typing import NamedTuple
 import numpy as np
 from numpy.typing import NDArray
 
-from ....jit import function, inlined
+from ....jit import inlined
 from ...common.kernels.numbers import ONE, TWO, ZERO
 
 TILE_WIDTH = 32
@@ -57,7 +57,7 @@ class Fragments(NamedTuple):
     """(F,) share of the pixel's light that comes from the fragment."""
     along: NDArray[np.float32]
     """(F,) position from that lit vertex to the next, 0 to 1; of fragments that take light from one vertex alone,
-    from `alone`."""
+    −2 less the position, in [−1, 1)."""
     closed: NDArray[np.uint8]
     """(height * width,) `resolve.CLOSED` at the pixels of which `resolve.blend` leaves out what is behind the
     fragments, and `SOLID`, too, where one of these is a solid's; 0 before."""
@@ -86,14 +86,6 @@ class Tile(NamedTuple):
     right: int
 
 
-@function
-def fixed_point(t, past, bits):
-    """Return the fixed-point position of a fragment from the lit vertex of even rank before it, in lit vertices times
-    2^`STEP`; t: position along its segment, 0 to 1; past: segments from that vertex; bits: `Fragments.place_bits`."""
-    most = np.int64(1) << bits
-    return past << bits | min(np.int64(t * np.float32(most)), most - 1)
-
-
 @inlined
 def tile_at(number, fragments):
     """Return the `Tile` with a number, counted row by row over the rows of `fragments`."""
@@ -101,13 +93,6 @@ def tile_at(number, fragments):
     top = fragments.top + number // across * TILE_HEIGHT
     left = number % across * TILE_WIDTH
     return Tile(number, top, min(top + TILE_HEIGHT, fragments.bottom), left, min(left + TILE_WIDTH, fragments.width))
-
-
-@inlined
-def alone(offset):
-    """Return the position, negative, that stands for an `offset` in [−1, 1) from the only vertex that a fragment takes
-    light from, in lit vertices."""
-    return -TWO - offset
 
 
 @inlined
