@@ -210,7 +210,7 @@ class Renderer:
             for polylines in batches.lines():
                 maps.add(polylines, workers, self.scratch, again)
                 self._drawing.lap("shadow")
-            maps.finish(self.scratch) if again else maps.divide(self.scratch)
+            maps.finish() if again else maps.divide(self.scratch)
 
     def _draw_batches(self, canvas: Canvas, batches: StrandBatches, lines: Polylines | None) -> None:
         """Draw all strands; ``lines``: polylines of the only batch, if they exist already."""

@@ -22,9 +22,8 @@ from ..geometry.curves import Polylines
 from ..geometry.extent import Thickness
 from ..view.camera import View, ball, parallel_view, point_views
 from ..zbuffer.raster import bands_of, to_screen
-from .fronts import allocate_extents, spread_extents, tables_of_cells
+from .kernels import cell_extents, opacity, opacity_maps, splats
 from .kernels import minmax as kernel
-from .kernels import opacity, opacity_maps, splats
 from .kernels.map_parts import PartsInMap
 from .kernels.strand_shadows import ShadowArrays
 from .shadow_model import casts_map, model_of
@@ -44,11 +43,14 @@ PLACES = 2**31 - 1
 LEAST_FALL = 1 / 50
 """Least h, as a share of the groom's size. Stray hairs may lie centimetres in front of a bundle in which light falls
 off within a millimetre; with a smaller h the layers would be coarse where the bundle begins."""
+STEEPEST = 4.0
+"""Texels of depth by which strands in the cells about a cell widen its extents. What is farther before it, a stray
+hair, stays in its own cells: soft shadows on solids are as wide as cells say that strands are far away."""
+EMPTY_TEXEL = np.array([np.inf, -np.inf], np.float32).view(np.uint64)[0]  # one number: filled in one pass
 TINY = 1e-9
 NO_MAPS = np.zeros(0, np.int64)
-NO_FRONTS = np.zeros(0, np.float32), NO_MAPS
 NO_SHADOWS = ShadowArrays(
-    np.zeros((0, 2), np.float32), np.zeros(0, np.float32), NO_MAPS, NO_MAPS, np.zeros((0, SIZE), np.float32), *NO_FRONTS
+    np.zeros((0, 2), np.float32), np.zeros(0, np.float32), NO_MAPS, NO_MAPS, np.zeros((0, SIZE), np.float32)
 )
 """Arrays of scenes without maps. They are empty arrays, not None, because kernels would be compiled again for None."""
 NO_THICKNESS = Thickness()
@@ -77,8 +79,6 @@ class ShadowMaps:
     thickness: Thickness = NO_THICKNESS
     over: float = 1.0
     """1 / h of `kernels.opacity`, 1/m."""
-    fronts: tuple[NDArray[np.float32], NDArray[np.int64]] = NO_FRONTS
-    """From `tables_of_cells`, once all opacity maps are divided."""
     chances: NDArray[np.float32] | None = None
     """(strands,) from `chances_of`, to leave out most strands deep in shadow; None: none are."""
     heads: dict[int, NDArray[np.float32]] = field(default_factory=dict)
@@ -103,7 +103,6 @@ class ShadowMaps:
             self._draw(number, parts)
             scratch.release(f"map_heads_{number}")
             opacity_maps.sum_layers(len(self.extents[number]), layers, self._stack(number))
-        self._find_fronts(scratch)
 
     def add(self, lines: Polylines, workers: int, scratch: Scratch, again: bool = False) -> None:
         """Draw a portion of the polylines into every map; ``again``: into the layers of opacity maps, once `divide` has
@@ -123,23 +122,20 @@ class ShadowMaps:
             if layers:
                 self._divide(number, scratch)
 
-    def finish(self, scratch: Scratch) -> None:
+    def finish(self) -> None:
         """Sum the layers of every opacity map. Call it after all portions have been drawn into them."""
         for number, layers in enumerate(self.layers):
             if layers:
                 opacity_maps.sum_layers(len(self.extents[number]), layers, self._stack(number))
-        self._find_fronts(scratch)
-
-    def _find_fronts(self, scratch: Scratch) -> None:
-        if self.deep:
-            self.fronts = tables_of_cells(self.extents, self.layers, scratch)
 
     def _divide(self, number: int, scratch: Scratch) -> None:
         """Make empty layers between the nearest and farthest depth of each cell of an opacity map. Raises
         `RefusedError` if it would be too large."""
         layers, extents = self.layers[number], self.extents[number]
         texel = texel_of(self.views[number])
-        spread_extents(extents, int(self.sizes[number]) // 2, texel, scratch)
+        side = int(self.sizes[number]) // 2
+        around = scratch.borrow("spread_extents", cell_extents.room_of(side), np.float32)
+        cell_extents.spread(extents, side, np.float32(STEEPEST * texel), around)
         rows = scratch.borrow("rows_of_cells", len(extents), np.float32)
         length = opacity.numbers_of(len(rows), opacity_maps.number_cells(extents, rows), layers)
         if length > PLACES:
@@ -230,6 +226,22 @@ def plan_maps(
     return ShadowMaps(views, packed, begin, sizes, texels, owners, None, layers, extents, thickness, over)
 
 
+def allocate_extents(
+    sizes: NDArray[np.int64], deep: NDArray[np.bool_], scratch: Scratch
+) -> tuple[NDArray[np.int64], NDArray[np.float32] | None, list[NDArray[np.float32]]]:
+    """Allocate empty extents of all maps; return `starts`, `texels` and `extents` of `ShadowMaps`."""
+    counts = np.where(deep, sizes**2 // opacity.TEXELS, sizes**2)
+    begin = np.concatenate([[0], np.cumsum(np.where(deep, 0, counts))]).astype(np.int64)
+    every = scratch.borrow("texels", (int(counts.sum()), 2), np.float32)
+    every.view(np.uint64).fill(EMPTY_TEXEL)
+    extents = [every] * len(sizes)
+    at = 0
+    for number in np.argsort(deep, kind="stable"):  # min/max maps first, so that their texels are one array
+        extents[number] = every[at : at + counts[number]]
+        at += int(counts[number])
+    return begin[:-1], None if deep.all() else every[: int(begin[-1])], extents
+
+
 def _views_of(
     light: Light, deep: bool, bounds: NDArray[np.float64], thickness: Thickness, spacing: float
 ) -> list[View]:
@@ -283,4 +295,4 @@ def map_arrays(maps: ShadowMaps | None) -> ShadowArrays:
         return NO_SHADOWS
     texels = NO_SHADOWS.texels if maps.texels is None else maps.texels
     stacks = NO_SHADOWS.stacks if maps.stacks is None else maps.stacks
-    return ShadowArrays(texels, stacks, maps.starts, maps.sizes, maps.packed, *maps.fronts)
+    return ShadowArrays(texels, stacks, maps.starts, maps.sizes, maps.packed)

@@ -3,8 +3,8 @@
 Of a pixel's fragments nearer than some depth, the light that they let through is at most the product of 1 − opacity:
 parts of one surface, whose opacities add up (see `resolve.composite`), let less through. While fragments are found,
 they are multiplied in the order in which they come: rows of segments come about nearest first (see `order_rows`), so
-the farthest of them soon hides the rest. Long lists are then multiplied in `SLICES` of depth, which takes no sorting.
-Compositing never reaches what is left out, and no picture depends on the order in which fragments are found.
+the farthest of them soon hides the rest. Compositing never reaches what is left out, and no picture depends on the
+order in which fragments are found.
 """
 
 from __future__ import annotations
@@ -13,15 +13,10 @@ import numpy as np
 
 from ....jit import device, inlined
 from ....simd import load, quadruple_pointer, store
-from ...common.kernels.numbers import ONE, ZERO
+from ...common.kernels.numbers import ONE
 from .tile_binning import BLOCK
-from .tiles import AT_DEPTH, AT_OPACITY, AT_PLACE, NUMBERS, PIXELS
+from .tiles import AT_DEPTH, AT_PLACE, NUMBERS, PIXELS
 
-SLICES = 32
-SLICE_COUNT = np.float32(SLICES)
-LAST_SLICE = np.int32(SLICES - 1)
-SLACK = np.float32(1.01)
-"""Slices from the beginning of one to the next, and something for rounding."""
 SAFE = np.float32(1 - 1e-6)
 """Factor of depth numbers and of transmittances, so that rounding hides nothing visible."""
 ROUNDED = np.float32(0.999)
@@ -74,51 +69,10 @@ def list_by_pixel(fragments, n, counts, ends, depths, listed):
         store(out, at * FOUR, load(given, i * FOUR))
 
 
-@device
-def farthest_visible(listed, depths, first, n, opaque, slices):
-    """Return a depth number behind which none of the list of n fragments from index `first` on can be seen.
-
-    listed, depths: from `list_by_pixel`; opaque: transmittance below which nothing is seen; slices (SLICES,): scratch.
-    """
-    low = np.int32(np.float32(np.inf).view(np.int32))
-    high = np.int32(0)
-    for i in range(np.uint64(first), np.uint64(first + n)):  # floats that are not negative compare as their bits do
-        bits = np.int32(np.float32(depths[i]).view(np.int32))
-        low = min(low, bits)
-        high = max(high, bits)
-    nearest = np.int32(high).view(np.float32)
-    thick = max(nearest - np.int32(low).view(np.float32), TINY)
-    per = SLICE_COUNT / thick
-    slices[:] = ONE
-    for i in range(np.uint64(first), np.uint64(first + n)):
-        at = np.uint64(min(np.int32((nearest - depths[i]) * per), LAST_SLICE))
-        slices[at] *= ONE - np.int32(listed[i * FOUR + AT_OPACITY]).view(np.float32)
-    through = ONE
-    for k in range(SLICES - 1):
-        through *= slices[k]
-        if through < opaque * SAFE:
-            return max((nearest - (np.float32(k) + SLACK) * (thick / SLICE_COUNT)) * SAFE, ZERO)
-    return ZERO
-
-
-@device
-def keep_visible(listed, depths, first, n, farthest):
-    """Keep those of the list of n fragments from index `first` on that are not behind the depth number `farthest`, in
-    their order; return their number."""
-    o = np.uint64(first)
-    fragments = quadruple_pointer(listed)
-    for i in range(np.uint64(first), np.uint64(first + n)):
-        depth = depths[i]
-        depths[o] = depth
-        store(fragments, o * FOUR, load(fragments, i * FOUR))
-        o += np.uint64(depth >= farthest)
-    return np.int64(o) - np.int64(first)
-
-
 CROWDED = 384
 """Rows of a tile from which on they are ordered."""
-ROW_SLICES = PIXELS - 1
-ROW_SLICE_COUNT = np.float32(ROW_SLICES)
+SLICES = PIXELS - 1
+SLICE_COUNT = np.float32(SLICES)
 
 
 @device
@@ -151,11 +105,11 @@ def order_rows(row_depths, slots, listed, depths, begin):
         depth = row_depths[listed[i]]
         depths[i] = depth
         low, high = min(low, depth), max(high, depth)
-    per = ROW_SLICE_COUNT / max(high - low, TINY)
+    per = SLICE_COUNT / max(high - low, TINY)
     begin[:] = 0
     for i in range(n):
         begin[slice_of(depths[i], high, per) + 1] += 1
-    for k in range(ROW_SLICES):
+    for k in range(SLICES):
         begin[k + 1] += begin[k]
     for i in range(n):
         k = slice_of(depths[i], high, per)
@@ -166,4 +120,4 @@ def order_rows(row_depths, slots, listed, depths, begin):
 @device
 def slice_of(depth, high, per):
     """Return the slice of a depth number; high: the greatest; per: slices for each unit of depth numbers."""
-    return min(np.int64((high - depth) * per), ROW_SLICES - 1)
+    return min(np.int64((high - depth) * per), SLICES - 1)

@@ -91,7 +91,7 @@ def resolve(lines, opacity, depth_slope, solids, segments_, tasks, out, found, m
             list_by_pixel(fragments, n, counts, ends, depths, listed)
             # their memory serves for what sorts them
             order, spare = fragments[: room + RUN].view(np.uint32), fragments[room + RUN :].view(np.uint32)
-            sort_pixels(listed, counts, ends, depths, OPAQUE, ranks, spare, order)
+            sort_pixels(listed, counts, ends, depths, ranks, spare, order)
             o = composite(listed, counts, ends, order, lines.screen.shape[0], tile, o, out, marks)
 
 

@@ -8,13 +8,10 @@ from ....constants import VECTOR
 from ....jit import device, inlined
 from ....simd import broadcast, count_true, half_width_pointer, lane_count, load, pointer, store, where
 from ...common.kernels.numbers import ONE, STEPS, ZERO
-from .crowds import SLICES, farthest_visible, keep_visible
 from .tiles import AT_DEPTH, AT_VERTEX, NUMBERS
 
 RUN = 128
 """Greatest length of a list that is sorted by counting; longer lists are merged from runs of this length."""
-CROWD = 112
-"""Length of a list from which on fragments that cannot be seen are left out of it."""
 LANES = VECTOR // 2 // 4
 """Lanes of a vector of a `half_width_pointer`; most lists are no longer."""
 ALL = np.uint64(0xFFFFFFFFFFFFFFFF)
@@ -22,12 +19,11 @@ ONE_BIT, FOUR = np.uint64(1), np.uint64(NUMBERS)
 
 
 @device
-def sort_pixels(fragments, counts, ends, depths, opaque, ranks, spare, order):
+def sort_pixels(fragments, counts, ends, depths, ranks, spare, order):
     """Write the indices of listed fragments to `order`, each pixel's sorted by depth, nearest first, ties by vertex.
 
-    fragments, counts, ends, depths: `listed` and others of `crowds.list_by_pixel`; opaque: transmittance below which
-    nothing is seen: counts and ends of long lists become those without fragments that this hides; ranks (RUN,) float32,
-    spare: scratch.
+    fragments, counts, ends, depths: `listed` and others of `crowds.list_by_pixel`; ranks (RUN,) float32, spare:
+    scratch.
 
     The rank of a fragment is the number of nearer ones. To count them takes more comparisons than other methods, but
     no branch that has to be predicted, and is vector code. Long lists are sorted in runs of `RUN` that are merged.
@@ -35,12 +31,6 @@ def sort_pixels(fragments, counts, ends, depths, opaque, ranks, spare, order):
     for p in range(counts.shape[0]):
         n = np.int64(counts[p])
         first = np.int64(ends[p]) - n
-        if n >= CROWD:
-            farthest = farthest_visible(fragments, depths, first, n, opaque, ranks[:SLICES])
-            if farthest > ZERO:
-                n = keep_visible(fragments, depths, first, n, farthest)
-                counts[p] = n
-                ends[p] = first + n
         if n <= LANES:
             rows, steps = half_width_pointer(depths), load(half_width_pointer(STEPS), 0)
             if sort_few(rows, steps, first, n, order):

@@ -10,9 +10,7 @@ from numpy.typing import NDArray
 
 from ....constants import W
 from ....jit import device
-from ....solids.kernels import capsule, other, sphere
-from ....solids.kernels.built_in import device_if_built_in
-from ....solids.kernels.outside import count as count_solids
+from ....solids.kernels import other
 from ....solids.kernels.outside import outside
 from ...common.kernels import batch
 from ...common.kernels.batch import LEAST, RADIUS
@@ -24,16 +22,11 @@ from .occlusion import DENSITY, MIDDLE_X, MIDDLE_Y, MIDDLE_Z
 
 DARK = np.uint8(0)
 FAR = np.float32(1e30)
-LX, LIGHT = 0, 3 * W
-ROWS = 4
-"""Rows of numbers, one a direction: unit vector to the light, three rows, and transmitted light."""
 
 
 class Listed(NamedTuple):
     """Memory of `hide`."""
 
-    fan: NDArray[np.float32]
-    """(`ROWS` W,) the directions of a cell."""
     work: NDArray[np.float32]
     """(`batch.ROWS` W,) rays past solids of other shapes, a batch."""
     places: NDArray[np.int64]
@@ -56,7 +49,7 @@ def hide(cells, counts, sides, box, ways, listed, solids, i):
     """
     wide = math.sqrt(sides[0] * sides[0] + sides[1] * sides[1] + sides[2] * sides[2])
     skin = np.float32(1e-3) * wide
-    fan, places = listed.fan, listed.near
+    places, by_lanes = listed.near, other.takes_vectors(solids)
     total = counts[0] * counts[1] * counts[2]
     found = np.int64(0)
     for j in range(counts[1]):
@@ -69,19 +62,21 @@ def hide(cells, counts, sides, box, ways, listed, solids, i):
             if (ox == x) & (oy == y) & (oz == z) and not occupied(cells, counts, i, j, k):
                 continue
             x, y, z = outside(x, y, z, skin + skin, solids)
-            for low in range(0, ways.shape[0], W):
-                n = min(ways.shape[0] - low, W)
-                for d in range(n):
-                    batch.set_vector(fan, LX, d, (ways[low + d, 0], ways[low + d, 1], ways[low + d, 2]))
-                    fan[LIGHT + d] = np.float32(listed.every[(low + d) * total + cell])
-                occlude(fan, n, x, y, z, solids, skin)
-                for d in range(n):
-                    if fan[LIGHT + d] == ZERO:
-                        listed.every[(low + d) * total + cell] = DARK
+            for d in range(ways.shape[0]):
+                at = d * total + cell
+                if listed.every[at] == DARK:
+                    continue
+                lx, ly, lz = ways[d, 0], ways[d, 1], ways[d, 2]
+                seen = rays.visibility_past_built_in(solids, x, y, z, lx, ly, lz, FAR, skin)
+                if seen > ZERO and not by_lanes:
+                    ox, oy, oz = x + skin * lx, y + skin * ly, z + skin * lz
+                    seen = other.visibility(solids, ox, oy, oz, lx, ly, lz, FAR, skin)
+                if seen == ZERO:
+                    listed.every[at] = DARK
             places[found, 0], places[found, 1], places[found, 2] = x, y, z
             places[found, 3] = np.float32(cell - i * counts[1] * counts[2])
             found += 1
-    if other.takes_vectors(solids):
+    if by_lanes:
         list_rays(ways, listed, found, i * counts[1] * counts[2], total, solids, skin)
 
 
@@ -121,48 +116,6 @@ def past_distances(listed, count, solids, skin):
     for j in range(count):
         if not work[LEAST + j] > ZERO:
             listed.every[listed.places[j]] = DARK
-
-
-@device
-def occlude(work, n, x, y, z, solids, skin):
-    """Set the row `LIGHT` of the first n directions to 0 where a solid occludes the light: vectorised
-    `rays.visibility`, but for solids that `by_distances` is for."""
-    past_round(solids, work, n, x, y, z, skin)
-    by_lanes = other.takes_vectors(solids)
-    further = flat_or_other(solids)
-    for d in range(n):
-        if further and work[LIGHT + d] > ZERO:
-            lx, ly, lz = batch.vector_at(work, LX, d)
-            ox, oy, oz = x + skin * lx, y + skin * ly, z + skin * lz
-            work[LIGHT + d] *= rays.visibility_past_planes(solids, ox, oy, oz, lx, ly, lz, FAR, skin)
-            if not by_lanes:
-                work[LIGHT + d] *= other.visibility(solids, ox, oy, oz, lx, ly, lz, FAR, skin)
-
-
-@device_if_built_in(lambda solids: True)
-def flat_or_other(solids):
-    """Return whether there are other solids than spheres and capsules."""
-    return count_solids(solids) > solids.spheres.shape[0] + solids.capsules.shape[0]
-
-
-@device_if_built_in(lambda solids, work, n, x, y, z, skin: None)
-def past_round(solids, work, n, x, y, z, skin):
-    """Set the row `LIGHT` to 0 where a sphere or a capsule occludes the light."""
-    for s in range(solids.spheres.shape[0]):
-        for d in range(n):
-            lx, ly, lz = batch.vector_at(work, LX, d)
-            work[LIGHT + d] *= sphere.visibility(solids.spheres, s, x, y, z, lx, ly, lz, FAR, skin)
-    for s in range(solids.capsules.shape[0]):
-        beside = np.int64(0)
-        for d in range(n):
-            lx, ly, lz = batch.vector_at(work, LX, d)
-            free = capsule.misses_ball(solids.capsules, s, x + skin * lx, y + skin * ly, z + skin * lz, lx, ly, lz)
-            beside += np.int64(free | (work[LIGHT + d] == ZERO))
-        if beside < n:
-            for d in range(n):
-                lx, ly, lz = batch.vector_at(work, LX, d)
-                t = capsule.meet(solids.capsules, s, x + skin * lx, y + skin * ly, z + skin * lz, lx, ly, lz)
-                work[LIGHT + d] *= ZERO if (skin < t) & (t < FAR) else ONE
 
 
 @device

@@ -24,7 +24,6 @@ from ...common.kernels.approximations import exp
 from ...common.kernels.numbers import HALF, ONE, THREE, ZERO
 from . import occlusion
 from .occlusion import DENSITY, MEAN, SLOPE_X, SLOPE_Y, SLOPE_Z, XX, XY, XZ, YY, YZ, ZZ
-from .occlusion_solids import ROWS as FAN
 from .occlusion_solids import Listed, hide
 
 NEXT = np.uint64(1)
@@ -146,7 +145,7 @@ def combine(cells, counts, sides, box, ways, left, solids, volume):
         i = np.int64(slab)
         if solid:
             listed = Listed(
-                np.zeros(FAN * W, np.float32), np.zeros(batch.ROWS * W, np.float32), np.empty(W, np.int64),
+                np.zeros(batch.ROWS * W, np.float32), np.empty(W, np.int64),
                 left.reshape(-1), np.empty((size, 4), np.float32),
             )  # fmt: skip
             hide(cells, counts, sides, box, ways, listed, solids, i)

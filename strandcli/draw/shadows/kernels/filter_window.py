@@ -134,10 +134,6 @@ class DeepMap(NamedTuple):
     """int64"""
     over: Any
     """float32: 1 / h of `opacity`, 1/m."""
-    fronts: Any
-    """`pointer` to the heads of cells and the pyramids of all maps, of `ShadowArrays`."""
-    front: Any
-    """First index of the map's pyramid, int64."""
 
 
 @inlined
@@ -152,11 +148,8 @@ def cells_in(across, down, used, deep):
 def heads_of(across, down, there, d, deep):
     """Return nearest depth and `opacity.SCALE` of the cells in the mask `there`, d and 0 where there are no strands,
     and whether any has strands in front of the depths d. Vectors."""
-    half = deep.size >> 1
-    column = where(there, across, ZERO)
-    front, scale = gather2(
-        deep.fronts, deep.front - 2 * half * half, where(there, down, ZERO), 2 * half, column + column
-    )
+    half, column = deep.size >> 1, np.float32(opacity.HEAD) * where(there, across, ZERO)
+    front, scale = gather2(deep.rows, deep.start, where(there, down, ZERO), opacity.HEAD * half, column)
     some = there & (scale > ZERO)
     return where(some, front, d), where(some, scale, ZERO), any_lane(some & (front < d))
 

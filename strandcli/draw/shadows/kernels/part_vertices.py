@@ -1,8 +1,7 @@
 """Vertices of parts of strands that an opacity map can tell apart (see `map_parts`).
 
 Vertices less than `SHORT` behind the last are left out, but for the part's end; the segment over them covers as much as
-theirs do, in its own place. So are most segments deep in shadow, of which the others cover more (`deep_strands`). Most
-parts have no such vertices and are written by vectors (`straight_parts`).
+theirs do, in its own place. So are most segments deep in shadow, of which the others cover more (`deep_strands`).
 """
 
 from __future__ import annotations
@@ -12,11 +11,10 @@ import math
 import numpy as np
 
 from ....jit import device, inlined, parallel, prange
-from ....simd import any_lane
 from ...common.kernels.numbers import HALF, INF, ONE, ZERO
 from ...view.kernels.project import perspective_widening
 from ...zbuffer.kernels.lines import Window
-from . import cell_extents, map_parts, straight_parts
+from . import cell_extents, map_parts
 from .deep_strands import weight_of_vertex
 
 STRANDS = 64
@@ -39,67 +37,20 @@ def thin(strands, sketch, view, size, kept, found, places, costs, extents):
     for task in prange((count + STRANDS - 1) // STRANDS):
         begin, end = np.int64(task) * STRANDS, min((np.int64(task) + 1) * STRANDS, count)
         at = low = strands.first[begin] + map_parts.shared_before(strands.first, begin)
-        limit = strands.first[end] + map_parts.shared_before(strands.first, end)
-        work = np.empty(max(straight_parts.ROOM, cell_extents.ROOM), np.float32)
-        straight_parts.start(work)
+        work = np.empty(cell_extents.ROOM, np.float32)
         longest = ZERO
         for s in range(begin, end):
             row = s + map_parts.shared_before(strands.first, s)
             for number in range(s + 1 + map_parts.shared_before(strands.first, s + 1) - row):
                 part = row + number
                 found[part, map_parts.AT] = at
-                length = write_part(work, strands, s, number, sketch, view, size, (kept, found, costs), limit)
+                length = thin_part(strands, s, number, sketch, view, size, (kept, found, costs), strands.along)
                 if found[part, map_parts.COUNT] > 0:
                     at += found[part, map_parts.COUNT]
                     longest = max(longest, length)
                     places[part] = map_parts.place_of(strands, s, number, size)
         if extents.shape[0] > 0 and at > low:  # of all parts at once: vectors wait for what was just written
             cell_extents.widen(work, kept, low, at - low, longest, window, extents)
-
-
-@inlined
-def write_part(work, strands, s, number, sketch, view, size, out, limit):
-    """Write the vertices of a part of strand s, from its `AT` on, what is found of it, and its cost. Return the length
-    of its longest segment along an axis, texels, or more than `cell_extents.APART` where that is more.
-
-    work: rows of `straight_parts`; out: `kept`, `found` and `costs` of `thin`; limit: of `straight_parts.write`."""
-    kept, found, costs = out
-    begin, last = map_parts.part_range(strands.first, s, number)
-    part = s + map_parts.shared_before(strands.first, s) + number
-    found[part, map_parts.COUNT] = 0
-    if begin >= last:
-        return ZERO
-    width = map_parts.width_of(strands.width, strands.scale, s)
-    thin = width * strands.taper / np.float32(max(strands.first[s + 1] - strands.first[s] - 1, 1))
-    if straight_parts.fits(begin, last, strands.screen, view):
-        strand = s, strands.first[s], begin, last, width, thin, size
-        at = np.int64(found[part, map_parts.AT])
-        n, length = straight_parts.write(work, strands, sketch, view, strand, kept, at, limit)
-        if n >= 0:
-            note(kept, at, n, size, found, part, costs)
-            return cell_extents.APART + ONE if any_lane(length > cell_extents.APART) else ZERO
-    return thin_part(strands, s, number, sketch, view, size, out, strands.along)
-
-
-@device
-def note(kept, at, count, size, found, part, costs):
-    """Write what is found of a part with so many vertices from number `at` of `kept` on, and its cost, where there are
-    bands."""
-    if costs.shape[0] == 0:
-        found[part, map_parts.COUNT], found[part, map_parts.TOP], found[part, map_parts.BOTTOM] = count, 0, size - 1
-        return
-    low, high, cost = INF, -INF, ZERO
-    for k in range(at + 1, at + count):
-        if kept[k, map_parts.WIDE] >= ZERO:
-            x0, y0, x1, y1 = (
-                kept[k - 1, map_parts.X],
-                kept[k - 1, map_parts.Y],
-                kept[k, map_parts.X],
-                kept[k, map_parts.Y],
-            )
-            low, high = min(low, min(y0, y1)), max(high, max(y0, y1))
-            cost += ONE + HALF * min(max(abs(x1 - x0), abs(y1 - y0)), np.float32(size))
-    note_rows(low, high, cost, count, size, found, part, costs)
 
 
 @device
@@ -116,8 +67,10 @@ def note_rows(low, high, cost, count, size, found, part, costs):
 
 @inlined
 def thin_part(strands, s, number, sketch, view, size, out, along):
-    """Do as `write_part`, vertex by vertex, and leave out those less than `SHORT` behind the last; along: of the
-    strands. Return the length of the longest segment along an axis, texels."""
+    """Write the vertices of a part of strand s, from its `AT` on, without those less than `SHORT` behind the last, what
+    is found of it, and its cost. Return the length of its longest segment along an axis, texels.
+
+    out: `kept`, `found` and `costs` of `thin`; along: of the strands."""
     kept, found, costs = out
     width = map_parts.width_of(strands.width, strands.scale, s)
     screen, far, near, focal = strands.screen, view.far, view.near, view.focal
@@ -126,6 +79,9 @@ def thin_part(strands, s, number, sketch, view, size, out, along):
     middle = HALF * np.float32(size)
     begin, last = map_parts.part_range(strands.first, s, number)
     part = s + map_parts.shared_before(strands.first, s) + number
+    found[part, map_parts.COUNT] = 0
+    if begin >= last:
+        return ZERO
     at = np.int64(found[part, map_parts.AT])
     longest = ZERO
     low, high, cost, n = INF, -INF, ZERO, at

@@ -50,7 +50,6 @@ from .filter_window import (
     windows_about,
 )  # fmt: skip
 from .minmax import texel_of
-from .window_blocks import NO_BITS, blocks_about, is_shaded, shaded_columns
 
 ALL, FOUR = np.int64(0), np.int64(4)
 LEAST = np.float32(1.5)
@@ -83,8 +82,7 @@ def transmittance(work, n, lights, i, loss, shadows):
     for one in range(int(lights[i, FIRST_MAP]), int(lights[i, FIRST_MAP] + lights[i, MAP_COUNT])):
         deep = DeepMap(
             pointer(shadows.stacks), np.int64(shadows.starts[one]), np.int64(shadows.sizes[one]),
-            np.int64(lights[i, MAP_LAYERS]), lights[i, PER_FALL], pointer(shadows.fronts),
-            np.int64(shadows.front_starts[one]),
+            np.int64(lights[i, MAP_LAYERS]), lights[i, PER_FALL],
         )  # fmt: skip
         locate(work, n, lights, i, shadows.views, one, shadows.sizes[one])
         for k in range(0, n, lane_count(rows)):
@@ -138,19 +136,13 @@ def filter_light(rows, k, deep, loss):
     radius = blur_radius(rows, k, deep)
     windows, wide, tall = windows_about(u, v, radius, inside, ONE)
     texels = opacity.TEXELS if any_lane(windows.stride < TWO) else 1
-    blocks = blocks_about(windows, wide, inside, d, deep)
     lanes = lane_count(rows)
     sums = store_columns(windows, wide, rows, np.int64(COLUMNS))
     tall_sum = red = green = blue = ZERO * u
     for row in range(tall):
         down, above, below = row_of(windows, np.float32(row))
         tall_sum = tall_sum + (above + below)
-        shaded = shaded_columns(blocks, row, deep)
-        if shaded == NO_BITS:
-            continue
         for column in range(wide):
-            if not is_shaded(blocks, shaded, column):
-                continue
             across = column_of(windows, np.float32(column))
             there = cells_in(across, down, inside, deep)
             front, scale, blocks_light = heads_of(across, down, there, d, deep)
@@ -209,19 +201,13 @@ def blur_radius(rows, k, deep):
     radius, away = where(inside, load(rows, RADIUS + k), LEAST), load(rows, AWAY + k)
     used = radius > LEAST
     windows, wide, tall = windows_about(u, v, radius, used, STEP)
-    blocks = blocks_about(windows, wide, used, d, deep)
     lanes = lane_count(rows)
     store_columns(windows, wide, rows, np.int64(COLUMNS))
     share = ZERO * u + FEW
     distance = FEW * away
     for row in range(tall):
-        shaded = shaded_columns(blocks, row, deep)
-        if shaded == NO_BITS:
-            continue
         down, above, _ = row_of(windows, np.float32(row))
         for column in range(wide):
-            if not is_shaded(blocks, shaded, column):
-                continue
             across = column_of(windows, np.float32(column))
             there = cells_in(across, down, used, deep)
             front, scale, blocks_light = heads_of(across, down, there, d, deep)

@@ -32,10 +32,6 @@ class ShadowArrays(NamedTuple):
     """(M,) texels along a side of each map."""
     views: NDArray[np.float32]
     """(M, `view_columns.SIZE`) the packed view of each map, in texels."""
-    fronts: NDArray[np.float32]
-    """(F,) from `strandcli.draw.shadows.fronts.tables_of_cells`; empty without opacity maps."""
-    front_starts: NDArray[np.int64]
-    """(M,) first index in `fronts` of each map's pyramid; 0 for a min/max map."""
 
 
 NEXT = np.uint64(1)

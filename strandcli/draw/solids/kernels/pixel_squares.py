@@ -31,16 +31,20 @@ def find_pixels(screen, p, end, width, found):
                 at = screen.begin * width + place
                 found[n] = at
                 n += np.int64(is_wanted(screen, at))
-        elif shows_solids(screen, begin, width):
-            column, row = square_at(begin, screen, width)
-            whole = column + SIDE <= width and row + SIDE <= screen.end
-            first = row * width + column
-            for place in range(np.uint64(SIDE * SIDE)):
-                down, across = DOWN[place], ACROSS[place]
-                inside = whole or (column + across < width and row + down < screen.end)
-                at = first + (down * width + across if inside else np.int64(0))
-                found[np.uint64(n)] = at
-                n += np.int64(inside & is_wanted(screen, at))
+            continue
+        column, row = square_at(begin, screen, width)
+        wide, tall = min(SIDE, np.int64(width) - column), min(SIDE, np.int64(screen.end) - row)
+        first = row * width + column
+        some = False
+        for y in range(tall):
+            for x in range(wide):
+                some |= is_wanted(screen, first + y * width + x)
+        for place in range(np.uint64(SIDE * SIDE if some else 0)):
+            down, across = DOWN[place], ACROSS[place]
+            inside = (across < wide) & (down < tall)
+            at = first + (down * width + across if inside else np.int64(0))
+            found[np.uint64(n)] = at
+            n += np.int64(inside & is_wanted(screen, at))
     return n
 
 
@@ -52,36 +56,6 @@ def is_wanted(screen, at):
     if screen.hidden.shape[0] > 0:
         shown &= screen.hidden[np.uint64(at)] == SHADED
     return shown
-
-
-@inlined
-def shows_solids(screen, p, width):
-    """Return whether a pixel of the square that begins at place p shows a solid and is to be shaded."""
-    column, row = square_at(p, screen, width)
-    bottom, wide = min(row + SIDE, np.int64(screen.end)), min(SIDE, np.int64(width) - column)
-    any_shown = False
-    if screen.hidden.shape[0] == 0 or any_wanted(screen, row * width + column, bottom - row, wide, width):
-        for y in range(row, bottom):
-            for at in range(y * width + column, y * width + column + wide):
-                any_shown |= is_wanted(screen, at)
-    return any_shown
-
-
-@inlined
-def any_wanted(screen, first, tall, wide, width):
-    """Return whether one of some rows and columns of pixels, from number `first` on, is to be shaded. Without branches
-    in a whole row."""
-    hidden = screen.hidden
-    found = False
-    for y in range(tall):
-        at = np.uint64(first + y * width)
-        if wide == SIDE:
-            for x in range(np.uint64(SIDE)):
-                found |= hidden[at + x] == SHADED
-        else:
-            for x in range(np.uint64(wide)):
-                found |= hidden[at + x] == SHADED
-    return found
 
 
 @inlined

@@ -86,52 +86,26 @@ def visibility(solids, x, y, z, lx, ly, lz, reach, skin):
     The ray begins `skin` metres from the point, so that a root, which may lie slightly below a surface, is not shaded
     by the solid that it grows from.
     """
-    if visibility_past_spheres(solids, x, y, z, lx, ly, lz, reach, skin) == ZERO:
+    if visibility_past_built_in(solids, x, y, z, lx, ly, lz, reach, skin) == ZERO:
         return ZERO
-    return visibility_past_others(solids, x, y, z, lx, ly, lz, reach, skin)
+    return other.visibility(solids, x + skin * lx, y + skin * ly, z + skin * lz, lx, ly, lz, reach, skin)
 
 
 @device_if_built_in(lambda solids, x, y, z, lx, ly, lz, reach, skin: ONE)
-def visibility_past_spheres(solids, x, y, z, lx, ly, lz, reach, skin):
-    """Return `visibility` past spheres."""
+def visibility_past_built_in(solids, x, y, z, lx, ly, lz, reach, skin):
+    """Return `visibility` past solids that have kernels of their own."""
     for s in range(solids.spheres.shape[0]):
         if sphere.visibility(solids.spheres, s, x, y, z, lx, ly, lz, reach, skin) == ZERO:
             return ZERO
-    return ONE
-
-
-@device
-def visibility_past_others(solids, x, y, z, lx, ly, lz, reach, skin):
-    """Return `visibility` past all solids but spheres."""
-    px = x + skin * lx
-    py = y + skin * ly
-    pz = z + skin * lz
-    if visibility_past_capsules(solids, px, py, pz, lx, ly, lz, reach, skin) == ZERO:
-        return ZERO
-    if visibility_past_planes(solids, px, py, pz, lx, ly, lz, reach, skin) == ZERO:
-        return ZERO
-    return other.visibility(solids, px, py, pz, lx, ly, lz, reach, skin)
-
-
-@device_if_built_in(lambda solids, x, y, z, lx, ly, lz, reach, skin: ONE)
-def visibility_past_capsules(solids, x, y, z, lx, ly, lz, reach, skin):
-    """Return `visibility` past capsules, from a point that has been moved by `skin` along l."""
+    x, y, z = x + skin * lx, y + skin * ly, z + skin * lz
     for s in range(solids.capsules.shape[0]):
         if capsule.visibility(solids.capsules, s, x, y, z, lx, ly, lz, reach, skin) == ZERO:
             return ZERO
-    return ONE
-
-
-@device_if_built_in(lambda solids, x, y, z, lx, ly, lz, reach, skin: ONE)
-def visibility_past_planes(solids, x, y, z, lx, ly, lz, reach, skin):
-    """Return `visibility` past planes and boxes, from a point that has been moved by `skin` along l."""
     for s in range(solids.planes.shape[0]):
-        t = plane.meet(solids.planes, s, x, y, z, lx, ly, lz)
-        if skin < t < reach:
+        if skin < plane.meet(solids.planes, s, x, y, z, lx, ly, lz) < reach:
             return ZERO
     for s in range(solids.boxes.shape[0]):
-        t = box.meet(solids.boxes, s, x, y, z, lx, ly, lz)
-        if skin < t < reach:
+        if skin < box.meet(solids.boxes, s, x, y, z, lx, ly, lz) < reach:
             return ZERO
     return ONE
 
