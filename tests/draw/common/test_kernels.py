@@ -54,7 +54,6 @@ RIBBON = ribbon.Ribbon(True, *16 * (ONE,))
 NUMBERS = np.zeros(64, np.int32)
 TILE = cells.Target(0, 8, 0, 8, 4, ROW, NUMBERS, NUMBERS, ONE, ROW, ROW, NUMBERS, ROW, ROW)
 STEPS = lines.Steps(*4 * (NUMBERS,), *2 * (np.zeros(64, np.int64),), *2 * (ROW,))
-TEXEL_STEPS = minmax.Steps(NUMBERS, *4 * (np.zeros(64, np.int64),), *2 * (ROW,))
 STRANDS = fragments.Strands(PLACES, TABLE, ROW, ONE, SLOPE, 1)
 CALLS: dict[str, tuple[Any, tuple[Any, ...]]] = {
     "tangents": (tangents.find_tangents, (BLOCKS, 0, None, True, ROW)),
@@ -64,17 +63,15 @@ CALLS: dict[str, tuple[Any, tuple[Any, ...]]] = {
     ),
     "to_view": (to_view, (ONE, ONE, ONE, ROW)),
     "bezier": (curves.bezier, (ONE,) * 5),
-    "cross_near_plane": (project.cross_near_plane, (TABLE, ROW, 1, 1, 0, 4, ONE, ONE, ONE)),
+    "cross_near_plane": (project.cross_near_plane, (TABLE, ROW, 1, 0, 4, ONE, ONE, ONE)),
     "to_screen": (project.to_screen, (WORK, 8, ROW)),
     "widen": (project.widen, (WORK, 8, 0, ROW, ONE, ONE, ONE, ONE, None)),
     "line": (lines.draw_line, (1, STEPS, lines.Window(0, 8, 8), np.uint64(1), KEYS)),
     "mitre": (ribbon.mitre, (TABLE, 1, 0, 4, *[ONE] * 4)),
     "lines": (lines.prepare, (TABLE, 0, 1, lines.Window(0, 8, 8), STEPS)),
     "ribbon": (raster.draw_ribbon, (TABLE, 1, 0, 4, ONE, ONE, SLOPE, lines.Window(0, 8, 8), np.uint64(1), KEYS)),
-    "measure ribbon": (ribbon.measure_ribbon, (TABLE, 1, 0, 4, ONE, ONE, True)),
     "cross section": (ribbon.cross_section, (RIBBON, *3 * (ONE,))),
     "offsets across": (ribbon.offsets_across, (RIBBON, *4 * (ONE,), SLOPE)),
-    "round depth": (ribbon.round_depth, (RIBBON, *4 * (ONE,))),
     "draw across": (
         raster.draw_across,
         (RIBBON, raster.Sides(True, True, *4 * (ONE,), 1, 8), 1, SLOPE, np.uint64(1), KEYS),
@@ -88,16 +85,14 @@ CALLS: dict[str, tuple[Any, tuple[Any, ...]]] = {
         coverage_ribbon.cover_listed, (WORK, 8, RIBBON, coverage_ribbon.Band(*8 * (ONE,)), STRANDS, TILE),
     ),
     "add listed": (coverage_ribbon.add_listed, (WORK, 8, 1, 0, TILE, 0)),
-    "depth offsets": (ribbon.depth_offsets, (*7 * (ONE,), SLOPE)),
     "deposit": (lines.deposit, (ONE, np.uint64(1), np.uint64(1), KEYS)),
-    "shadow lines": (minmax.prepare, (TABLE, 0, 1, 0, 8, 8, ONE, ONE, TEXEL_STEPS)),
-    "shadow line": (minmax.line, (1, TEXEL_STEPS, 0, 8, 8, np.ones((64, 2), np.float32))),
+    "shadow line": (minmax.line, (TABLE, 1, 0, 8, 8, ONE, ONE, np.ones((64, 2), np.float32))),
     "falloff": (minmax.falloff, (ONE, ONE, ONE)),
     "locate": (percentage_closer.locate, (LIT, 1, TABLE, 1, TABLE, 1, 8)),
     "percentage closer": (
         percentage_closer.transmittance,
         (LIT, 1, TABLE, 1, np.ones((4, 3), np.float32),
-         strand_shadows.ShadowArrays(TABLE, np.ones(1024, np.float32), PLACES, PLACES + 4, TABLE, ROW, PLACES)),
+         strand_shadows.ShadowArrays(TABLE, np.ones(1024, np.float32), PLACES, PLACES + 4, TABLE)),
     ),
     "splats in an opacity map": (
         splats.add,

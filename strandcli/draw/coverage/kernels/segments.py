@@ -111,7 +111,7 @@ def reach_of(kind, wide):
 @inlined
 def nearest_of(q0, q1, wide, per, far, depth_slope):
     """Return bounds on the depth numbers of all that segments show: of wide ones, with that on `forward` and `tilt` of
-    `geometry.kernels.ribbon.depth_offsets`. Vectors.
+    `geometry.kernels.ribbon.offsets_across`. Vectors.
 
     q0, q1: depth numbers of their ends; wide: greater width; per: one over the length along; far: sum of the distances
     from the view's axis in x and in y, pixels, of a place in the tile.

@@ -48,7 +48,9 @@ def add_lobes(work, n, lights, i, rest, tables):
         if not any_lane(lit):
             continue
         m = load(rows, batch.R + k), load(rows, batch.TT + k), load(rows, batch.TRT + k)
-        place = place_of(rows, k)
+        x, y = load(rows, batch.NODE_X + k), load(rows, batch.NODE_Y + k)
+        node_x, node_y = floor(x), floor(y)
+        place = place_at(node_x, node_y, x - node_x, y - node_y)
         red, green, blue = azimuthal_lanes(m, place, tables, load3(rows, EXTRA + k, W))
         if rest is not None:
             r, g, b = rest_lanes(load(rows, rest + k), place, tables, load3(rows, EXTRA + k, W))
@@ -76,14 +78,6 @@ class Place(NamedTuple):
     w01: Any
     w10: Any
     w11: Any
-
-
-@inlined
-def place_of(rows, k):
-    """Return the place of the vertices from number k on. rows: `pointer` to the batch."""
-    x, y = load(rows, batch.NODE_X + k), load(rows, batch.NODE_Y + k)
-    i, j = floor(x), floor(y)
-    return place_at(i, j, x - i, y - j)
 
 
 @inlined
@@ -121,11 +115,17 @@ def azimuthal_lanes(m, place, tables, extra):
 
 @device
 def rest_lanes(m, place, tables, extra):
-    """Return what the rest adds to `azimuthal_lanes`; m: its M. What is left has no azimuth."""
-    red, green, blue, _ = between(tables.nodes, REST, place)
-    red, green, blue = m * red, m * green, m * blue
+    """Return what the rest adds to `azimuthal_lanes`; m: its M. It does not vary along a row of nodes, so it is
+    interpolated between two rows."""
+    rows, paths, width = pointer(tables.nodes), pointer(tables.paths), tables.nodes.shape[2]
+    node, next_row = place.i * np.float32(tables.nodes.shape[1]) + place.j, tables.nodes.shape[1]
+    a, b = gather4(rows, REST, node, width, ZERO), gather4(rows, REST + width * next_row, node, width, ZERO)
+    near, x = ONE - place.x, place.x
+    red, green, blue = m * (near * a[0] + x * b[0]), m * (near * a[1] + x * b[1]), m * (near * a[2] + x * b[2])
     if tables.paths.shape[0] > 0:
-        length = path_between(tables.paths, place)
+        width = tables.paths.shape[2]
+        low = gather(paths, PATH_REST, node, width, ZERO)
+        length = near * low + x * gather(paths, PATH_REST + width * next_row, node, width, ZERO)
         red, green, blue = (
             red * left_of(extra[0], length), green * left_of(extra[1], length), blue * left_of(extra[2], length)
         )  # fmt: skip
@@ -148,16 +148,6 @@ def mixed(table, c, place):
 
 
 @inlined
-def between(table, c, place):
-    """Return channels c to c + 3 of a table between two rows of nodes, for channels that do not vary along a row."""
-    rows, width = pointer(table), table.shape[2]
-    node = place.i * np.float32(table.shape[1]) + place.j
-    a, b = gather4(rows, c, node, width, ZERO), gather4(rows, c + width * table.shape[1], node, width, ZERO)
-    near, x = ONE - place.x, place.x
-    return near * a[0] + x * b[0], near * a[1] + x * b[1], near * a[2] + x * b[2], near * a[3] + x * b[3]
-
-
-@inlined
 def mixed_pair(table, c, place):
     """Return channels c and c + 1 of a table, as `mixed`."""
     rows, width = pointer(table), table.shape[2]
@@ -169,16 +159,6 @@ def mixed_pair(table, c, place):
     return (
         w00 * a[0] + w01 * b[0] + w10 * d[0] + w11 * e[0], w00 * a[1] + w01 * b[1] + w10 * d[1] + w11 * e[1]
     )  # fmt: skip
-
-
-@inlined
-def path_between(paths, place):
-    """Return the mean path of the rest, as `between`."""
-    rows, width = pointer(paths), paths.shape[2]
-    node = place.i * np.float32(paths.shape[1]) + place.j
-    low = gather(rows, PATH_REST, node, width, ZERO)
-    high = gather(rows, PATH_REST + width * paths.shape[1], node, width, ZERO)
-    return (ONE - place.x) * low + place.x * high
 
 
 @inlined

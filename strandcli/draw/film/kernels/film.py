@@ -127,23 +127,17 @@ def develop(image, samples, exposure, curve, roll, out):
             for i in range(np.uint64(3 * width)):
                 levels[i] = flat[begin + i]
         else:
-            add_up(image, samples, row, width, levels)
+            for x in range(width):
+                for c in range(3):
+                    total = ZERO
+                    for j in range(samples):
+                        for i in range(samples):
+                            total += image[row * samples + j, x * samples + i, c]
+                    levels[3 * x + c] = total
         encode(levels, share, roll / LAST)
         for x in range(np.uint64(width)):
             for c in range(np.uint64(3)):
                 out[row, x, c] = curve[np.uint64(np.int64(levels[THREE * x + c]))]
-
-
-@device
-def add_up(image, samples, y, width, levels):
-    """Write the sums of the samples of each pixel of row y to levels (3 * width,)."""
-    for x in range(width):
-        for c in range(3):
-            total = ZERO
-            for j in range(samples):
-                for i in range(samples):
-                    total += image[y * samples + j, x * samples + i, c]
-            levels[3 * x + c] = total
 
 
 @device

@@ -64,7 +64,10 @@ def count(positions, lengths, strands, view, split, out, sizes, error):
         s = np.int64(group) * LANES
         end = min(s + LANES, strands)
         work = np.empty(PIECES + positions.shape[1] * LANES, np.float32)
-        if any_drawn(split.fade, s, end):
+        drawn = split.fade.shape[0] == 0
+        for k in range(s, end):
+            drawn = drawn or split.fade[k] != ZERO
+        if drawn:
             count_pieces(positions, s, lengths, view, split, work)
         for k in range(s, end):
             if split.fade.shape[0] > 0 and split.fade[k] == ZERO:
@@ -73,17 +76,6 @@ def count(positions, lengths, strands, view, split, out, sizes, error):
             else:
                 sizes[k] = write_pieces(work, k - s, split.off_screen, out[k])
                 error[k] = work[BOUND + k - s]
-
-
-@device
-def any_drawn(fade, begin, end):
-    """Return whether any of the strands begin … end − 1 is not left out; fade: as in `Splitting`."""
-    if fade.shape[0] == 0:
-        return True
-    for s in range(begin, end):  # noqa: SIM110  kernels know no generators
-        if fade[s] != ZERO:
-            return True
-    return False
 
 
 @device
@@ -109,7 +101,9 @@ def count_pieces(positions, s, lengths, view, split, work):
     rows, found = pointer(positions), pointer(work)
     per = ONE / split.tolerance
     limit = np.float32(split.most)
-    sides = sides_of(view)
+    focal = view[at.FOCAL]
+    right, below = view[at.SCREEN_WIDTH] - view[at.AXIS_X], view[at.SCREEN_HEIGHT] - view[at.AXIS_Y]
+    sides = Sides(view[at.AXIS_X] / focal, right / focal, view[at.AXIS_Y] / focal, below / focal)
     n = positions.shape[1] - 1
     o = first_place(positions, s)
     none = broadcast(rows, ZERO)
@@ -153,18 +147,10 @@ def second_difference(ex, ey, ez, tx, ty, tz, sx, sy, sz, third):
     return max(px * px + py * py + pz * pz, qx * qx + qy * qy + qz * qz)
 
 
-@device
-def sides_of(view):
-    """Return the `Sides` of a view."""
-    focal = view[at.FOCAL]
-    right, below = view[at.SCREEN_WIDTH] - view[at.AXIS_X], view[at.SCREEN_HEIGHT] - view[at.AXIS_Y]
-    return Sides(view[at.AXIS_X] / focal, right / focal, view[at.AXIS_Y] / focal, below / focal)
-
-
 @inlined
 def greatest_scale(u0, v0, z0, u1, v1, z1, margin, sides, view):
     """Return the greatest number of pixels a metre within a margin, metres, around segments in view coordinates; 0 if
-    none of that is on the screen; sides: `sides_of` the view. Vectors."""
+    none of that is on the screen; sides: of the view. Vectors."""
     near = view[at.NEAR_PLANE]
     none = broadcast(margin, ZERO)
     f0 = f1 = none + ONE

@@ -49,7 +49,7 @@ class Ribbon(NamedTuple):
     """Unit direction."""
     ma0: np.float32
     mb0: np.float32
-    """Normal of the joint at its beginning (`joints.mitre`)."""
+    """Normal of the joint at its beginning (`mitre`)."""
     ma1: np.float32
     mb1: np.float32
     """Normal of the joint at its end."""
@@ -66,19 +66,9 @@ class Ribbon(NamedTuple):
 
 
 @inlined
-def measure_ribbon(screen, v, begin, end, w0, w1, flat):
-    """Return the `Ribbon` from vertex v − 1 to v of the strand begin … end − 1, w0 to w1 pixels wide; screen: as in
-    `ScreenLines`; flat: whether a is x."""
-    dx, dy, per_length = direction(screen, v)
-    joint0 = mitre(screen, v - 2, begin, end, dx, dy, HALF * w0, per_length)
-    joint1 = mitre(screen, v, begin, end, dx, dy, HALF * w1, per_length)
-    return make_ribbon(screen, v, w0, w1, flat, (dx, dy, per_length), joint0, joint1)
-
-
-@inlined
 def make_ribbon(screen, v, w0, w1, flat, directed, joint0, joint1):
-    """Return the `Ribbon` from vertex v − 1 to v; directed: from `direction`; joint0, joint1: from `joints.mitre`, at
-    its beginning and at its end; other arguments as in `measure_ribbon`."""
+    """Return the `Ribbon` from vertex v − 1 to v, w0 to w1 pixels wide; screen: as in `ScreenLines`; flat: whether a is
+    x; directed: from `direction`; joint0, joint1: from `mitre`, at its beginning and at its end."""
     x0, y0, q0 = screen[v - 1, 0], screen[v - 1, 1], screen[v - 1, 2]
     x1, y1, q1 = screen[v, 0], screen[v, 1], screen[v, 2]
     dx, dy, per_length = directed
@@ -114,47 +104,33 @@ def cross_section(ribbon, per, slope, past):
 
 @inlined
 def offsets_across(ribbon, t, width, a, b, depth_slope):
-    """Return `depth_offsets` toward greater b, at a point (a, b) of a ribbon's axis; t, width: from `cross_section`."""
-    x, y = (a, b) if ribbon.flat else (b, a)
-    dx, dy = (ribbon.da, ribbon.db) if ribbon.flat else (ribbon.db, ribbon.da)
-    depth = ribbon.q0 + ribbon.rise * t
-    forward, tilt = depth_offsets(depth, HALF * width, ribbon.steep, x, y, dx, dy, depth_slope)
-    turn = ONE if (dx if ribbon.flat else -dy) > ZERO else -ONE  # whether b grows toward (−dy, dx)
-    return forward, tilt * turn
+    """Return by how much the depth number of a strand's round side exceeds that of its axis at a point (a, b) of it:
+    `forward` in front of the axis, and `tilt`, which is added at the edge toward greater b and subtracted at the other;
+    both 0 for flat strands. t, width: from `cross_section`; depth_slope: `DepthSlope`.
 
-
-@inlined
-def round_depth(ribbon, t, h, forward, tilt):
-    """Return the depth number of a ribbon's round side; t: position along it, 0 to 1; h: position across it, −1 to 1;
-    forward, tilt: from `offsets_across`."""
-    return ribbon.q0 + ribbon.rise * t + tilt * h + forward * math.sqrt(max(ONE - h * h, ZERO))
-
-
-@device
-def depth_offsets(q, half, steep, x, y, dx, dy, depth_slope):
-    """Return by how much the depth number of a strand's round side exceeds that of its axis: `forward` in front of the
-    axis, and `tilt`, which is added at the edge toward (−dy, dx) and subtracted at the other; both 0 for flat strands.
-
-    q: depth number of the axis at the pixel (x, y); half: half the width, pixels; steep: increase of q a pixel along
-    the strand's unit direction (dx, dy); depth_slope: `DepthSlope`. Away from the view's axis, a ray (u, v, 1) meets a
-    slanted cylinder farther in front of its axis, and at different depths on its two sides. With p and w, the
-    components of (u, v) along and across the strand, and the strand's direction E − g (u, v, 1), E = (dx, dy, 0),
+    Away from the view's axis, a ray (u, v, 1) meets a slanted cylinder farther in front of its axis, and at different
+    depths on its two sides. With q the depth number of the axis, half the width in pixels, g the increase of q a pixel
+    along the strand over q, p and w, the components of (u, v) along and across the strand, and its direction
+    E − g (u, v, 1), E = (dx, dy, 0),
 
         forward = q half √(1 − 2 g p + g² (1 + p² + w²)) / (1 + w²),   tilt = q half w (1 − g p) / (1 + w²):
 
     the first terms, in powers of half, of the greater root of |(z (u, v, 1) − P) × E| = radius in 1 / z.
     """
-    per = depth_slope.per_depth * q + depth_slope.constant
+    x, y = (a, b) if ribbon.flat else (b, a)
+    dx, dy = (ribbon.da, ribbon.db) if ribbon.flat else (ribbon.db, ribbon.da)
+    per = depth_slope.per_depth * (ribbon.q0 + ribbon.rise * t) + depth_slope.constant
     if per <= ZERO:
         return ZERO, ZERO
     u = (x - depth_slope.axis_x) * depth_slope.per_depth
     v = (y - depth_slope.axis_y) * depth_slope.per_depth
     p = u * dx + v * dy
     w = v * dx - u * dy
-    g = steep / per
+    g = ribbon.steep / per
     slant = ONE - g * p
-    scale = half * per / (ONE + w * w)
-    return scale * np.sqrt(slant * slant + g * g * (ONE + w * w)), scale * w * slant
+    scale = HALF * width * per / (ONE + w * w)
+    turn = ONE if (dx if ribbon.flat else -dy) > ZERO else -ONE  # whether b grows toward (−dy, dx)
+    return scale * np.sqrt(slant * slant + g * g * (ONE + w * w)), scale * w * slant * turn
 
 
 @device

@@ -40,7 +40,11 @@ def nearest(positions, strands, low, high, points, own, out):
                     continue
                 for k in range(begin, min(begin + GROUP, strands - block * W)):
                     if block * W + k != own[p] and least[k] < out[p, -1]:
-                        insert_sorted(out, p, least[k])
+                        at = out.shape[1] - 1
+                        while at > 0 and out[p, at - 1] > least[k]:
+                            out[p, at] = out[p, at - 1]
+                            at -= 1
+                        out[p, at] = least[k]
         for k in range(out.shape[1]):
             out[p, k] = math.sqrt(out[p, k])
 
@@ -81,13 +85,3 @@ def squares_to_strands(rows, point, begin, squares, most, least):
             az += t * ez
             least[k] = min(least[k], ax * ax + ay * ay + az * az)
     return True
-
-
-@device
-def insert_sorted(out, p, value):
-    """Insert a value into the ascending row out[p]; the greatest drops out."""
-    k = out.shape[1] - 1
-    while k > 0 and out[p, k - 1] > value:
-        out[p, k] = out[p, k - 1]
-        k -= 1
-    out[p, k] = value

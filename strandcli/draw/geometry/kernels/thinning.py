@@ -40,7 +40,11 @@ def choose(positions, strands, view, tolerance, fade, radii, rows, sizes, error)
         low = np.int64(task) * TOGETHER
         points = np.empty((TOGETHER, n, 3), np.float32)
         own = np.empty(n if radii is not None else 0, np.float32)
-        load_points(positions[low // W], low % W, points)
+        block, lane = positions[low // W], low % W
+        for i in range(n):
+            for c in range(3):
+                for k in range(TOGETHER):
+                    points[k, i, c] = block[i + 1, c * W + lane + k]
         for k in range(min(TOGETHER, strands - low)):
             s = low + k
             if fade.shape[0] > 0 and fade[s] == ZERO:
@@ -65,15 +69,6 @@ def emphasise(radii, reach, out):
     times = max(reach / (UNEVEN * widest), ONE)
     for i in range(radii.shape[0]):
         out[i] = times * radii[i]
-
-
-@device
-def load_points(block, lane, points):
-    """Copy strands from a lane of a block (n + 1, 3 W) on to points (strands, n, 3)."""
-    for i in range(points.shape[1]):
-        for c in range(3):
-            for k in range(points.shape[0]):
-                points[k, i, c] = block[i + 1, c * W + lane + k]
 
 
 @device

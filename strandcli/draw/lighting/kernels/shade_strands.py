@@ -32,7 +32,7 @@ from ...fibre.kernels.dual import diffuse_light, dual_scattering
 from ...fibre.kernels.highlights import highlights
 from ...fibre.kernels.lobes import ALL, mixed, mixed_pair, place_at, width_highlights
 from ...shadows.kernels.solid_shadows import hard_shadows, soft_shadows
-from ...shadows.kernels.strand_shadows import count_behind, count_in_front, shade_by_minmax
+from ...shadows.kernels.strand_shadows import count_in_front, shade_by_minmax
 from .light import ambient_light, toward
 from .lit_vertices import find_marked, lit_first, longest
 
@@ -208,8 +208,6 @@ def past_strands(work, n, lights, i, shadows, dual):
     over = rows[i, PER_FALL]
     for one in range(int(rows[i, FIRST_MAP]), int(rows[i, FIRST_MAP] + rows[i, MAP_COUNT])):
         count_in_front(work, n, shadows, one, layers, bias, width, over, dual)
-        if dual is not None:
-            count_behind(work, n, shadows, one, bias, width)
     for k in range(n):
         work[row.UNBLOCKED + k] = work[row.ARRIVES + k]
     if lights.clear.shape[0] == 0 or rows[i, CLEAR_ROW] == ZERO:

@@ -14,8 +14,7 @@ from ....jit.balance import places, task_at
 from ....solids.kernels import other
 from ...common.kernels.batch import RADIANCE, vector_at
 from ...common.kernels.numbers import ZERO
-from ...common.kernels.surface_batch import ALBEDO, COAT, ROWS, THERE, UNDER
-from ...solids.kernels import appearance
+from ...common.kernels.surface_batch import ALBEDO, COAT, LIFT, ROWS, THERE, UNDER
 from ...solids.kernels.pixel_squares import find_pixels, places_in
 from ...solids.kernels.surface_pixels import average, composite, fill_batch
 from . import mirror
@@ -68,7 +67,10 @@ def batch(work, n, which, surround, strands, lights, shadows, solids, coating):
     paint, coats, rows = coating.paint, coating.coats, lights.rows
     depth = deepest(coats, which)
     if other.has_look(solids) or depth > ZERO:
-        appearance.plain(work, n, paint, which)
+        for c in range(3):  # its own colour, and no lift
+            for k in range(n):
+                work[ALBEDO + c * W + k] = paint[which, c]
+                work[LIFT + c * W + k] = ZERO
     face(work, n, solids, which)
     light_around(work, n, surround, strands.bounce, depth)
     fade(work, n, paint, which)

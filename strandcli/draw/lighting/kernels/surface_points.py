@@ -10,7 +10,7 @@ from ....constants import W
 from ....jit import device
 from ....jit.indices import FIRST, SECOND, THIRD
 from ....simd import lane_count, load, load3, pointer, store
-from ....solids.kernels import sphere
+from ....solids.kernels import built_in, other, sphere
 from ...common.kernels import surface_batch as surface
 from ...common.kernels.batch import EX, RADIANCE, X, set_vector, vector_at
 from ...common.kernels.numbers import HALF, INF, ONE, ZERO
@@ -62,7 +62,7 @@ def face(work, n, solids, which):
             z -= solids.spheres[which, sphere.Z]
             size = ONE / math.sqrt(max(x * x + y * y + z * z, rays.TINY))
             set_vector(work, surface.NX, k, (x * size, y * size, z * size))
-    elif appearance.looks(solids, which):
+    elif other.has_look(solids) and which >= built_in.count(solids):
         appearance.face(work, n, solids, which)
     elif 0 <= which - solids.spheres.shape[0] - solids.capsules.shape[0] < solids.planes.shape[0]:  # is a plane
         normal = rays.normal(solids, which, work[X], work[X + W], work[X + 2 * W])

@@ -180,9 +180,10 @@ def layers_of(front, scale, d, deep):
 @inlined
 def passed_at(number, layer, part, deep):
     """Return the optical depth of the first texel of cells at a position within a layer; 0 without strands. Vectors."""
-    body, _ = rows_of(deep)
-    passed = opacity.depth_at(deep.rows, body, number, layer, part, ZERO, deep.layers)
-    return where(number > ZERO, passed, ZERO)
+    body, stride = rows_of(deep)
+    low = gather(deep.rows, body, number, stride, opacity.EACH * layer)
+    high = gather(deep.rows, body, number, stride, opacity.NEXT + opacity.EACH * layer)
+    return where(number > ZERO, low + part * (high - low), ZERO)
 
 
 @inlined

@@ -28,7 +28,7 @@ from typing import Any, NamedTuple
 import numpy as np
 
 from ....jit import device, inlined
-from ....simd import any_lane, floor, gather, gather4, gather8, where
+from ....simd import any_lane, floor, gather4, gather8, where
 from ...common.kernels.numbers import HALF, ONE, ZERO
 from .minmax import bilinear
 
@@ -65,15 +65,8 @@ def numbers_of(cells: int, rows: int, layers: int) -> int:
 
 
 @inlined
-def head_of(rows, start, half, up, left):
-    """Return the heads of the cells in rows `up` and columns `left` of a map, `half` cells along a side. Vectors; rows:
-    `pointer` to the maps; start: first index of the map."""
-    return gather8(rows, start, up, HEAD * half, np.float32(HEAD) * left)
-
-
-@inlined
 def layers_at(d, head, over, layers):
-    """Return, for the depths d in rows with this `head_of`: layer index, position within the layer (0 to 1), number of
+    """Return, for the depths d in rows with this head: layer index, position within the layer (0 to 1), number of
     layers that end in front (may exceed `layers`), and layers a metre. Vectors; over: 1 / h, 1/m."""
     front, most = head[START], head[SCALE]
     far = max(ZERO, (d - front) * over)
@@ -82,16 +75,6 @@ def layers_at(d, head, over, layers):
     ended = min(np.float32(layers), gone)
     k = min(np.float32(layers - 1), floor(ended))
     return k, ended - k, floor(gone), most * over * near * near
-
-
-@inlined
-def depth_at(rows, start, number, k, part, which, layers):
-    """Return τ in front of a depth at layer k and position `part` (from `layers_at`) of a texel; which: its number, 0
-    to 3. Vectors."""
-    stride = TEXELS * (layers + 1)
-    low = gather(rows, start, number, stride, EACH * k + which)
-    high = gather(rows, start, number, stride, NEXT + EACH * k + which)
-    return low + part * (high - low)
 
 
 @inlined
@@ -161,7 +144,7 @@ def cells_at(rows, start, half, up, left, point, layers):
     which growth is measured, metres; others as in `in_front`."""
     d, over, reach = point
     body = start + HEAD * half * half
-    head = head_of(rows, start, half, up, left)
+    head = gather8(rows, start, up, HEAD * half, np.float32(HEAD) * left)
     k, part, gone, dense = layers_at(d, head, over, layers)
     texels, middle, thick = passed_in(rows, body, head[ROW], k, part, layers)
     if any_lane(reach * dense >= ONE):
@@ -174,7 +157,7 @@ def cells_at(rows, start, half, up, left, point, layers):
 @inlined
 def passed_in(rows, start, number, k, part, layers):
     """Return τ in front of a depth, in the four texels of cells; the mean of the four; and how much that grows in the
-    layer. Vectors; arguments as in `depth_at`."""
+    layer. Vectors; arguments as in `growth_at`."""
     stride = TEXELS * (layers + 1)
     p, q, r, s, p_end, q_end, r_end, s_end = gather8(rows, start, number, stride, EACH * k)
     low, high = mean((p, q, r, s)), mean((p_end, q_end, r_end, s_end))

@@ -50,12 +50,6 @@ class LightRay(NamedTuple):
 
 
 @inlined
-def seen_from(size, point, reach):
-    """Return the sine of a light's angular radius, seen from the distance `reach`."""
-    return max(min(size / reach, ONE) if point > ZERO else size, SHARP)
-
-
-@inlined
 def share(least, radius):
     """Return the visible share of a light, from the sine of the least angle from its centre to an edge, and the sine of
     its angular radius."""
@@ -152,22 +146,12 @@ def rounded_box(o, d, h, r, reach, radius):
 
 
 @device
-def box_distance(x, y, z, hx, hy, hz):
-    """Return the signed distance of a point from a box of half extents h around the origin, negative inside."""
-    ax = abs(x) - hx
-    ay = abs(y) - hy
-    az = abs(z) - hz
-    ox = max(ax, ZERO)
-    oy = max(ay, ZERO)
-    oz = max(az, ZERO)
-    return math.sqrt(ox * ox + oy * oy + oz * oz) + min(max(ax, max(ay, az)), ZERO)
-
-
-@device
 def on_ray(t, at):
-    """Return the distance of a box from the point at distance t from o along d, divided by t."""
+    """Return the distance of a box, less r, from the point at distance t from o along d, divided by t."""
     ox, oy, oz, dx, dy, dz, hx, hy, hz, r = at
-    return (box_distance(ox + t * dx, oy + t * dy, oz + t * dz, hx, hy, hz) - r) / t
+    ax, ay, az = abs(ox + t * dx) - hx, abs(oy + t * dy) - hy, abs(oz + t * dz) - hz
+    ox, oy, oz = max(ax, ZERO), max(ay, ZERO), max(az, ZERO)
+    return (math.sqrt(ox * ox + oy * oy + oz * oz) + min(max(ax, max(ay, az)), ZERO) - r) / t
 
 
 @device

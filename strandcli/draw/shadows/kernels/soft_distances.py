@@ -63,23 +63,15 @@ def by_distances(work, n, solids, lift, skin):
             work[row.LIST + count] = np.float32(k)
             count += np.int64(work[row.ASKED + k])
         if count > 0:
-            gather(work, count)
+            for j in range(count):
+                k = np.int64(work[row.LIST + j])
+                row.set_vector(work, row.WX, j, row.vector_at(work, row.X, k))
+                row.set_vector(work, row.DX, j, row.vector_at(work, row.LX, k))
+                work[row.END + j], work[row.NEAR + j] = work[row.REACH + k], work[row.RADIUS + k]
+                work[row.HIGH + j], work[row.FAR + j] = work[row.LEAST + k], work[row.AT_NEAR + k]
             go(work, count, LISTED, solids, m, (lift, skin), ALL)
             for j in range(count):
                 work[row.LEAST + np.int64(work[row.LIST + j])] = work[row.HIGH + j]
-
-
-@device
-def gather(work, count):
-    """Copy the rows `OWN` of listed rays to `LISTED`."""
-    for j in range(count):
-        k = np.int64(work[row.LIST + j])
-        row.set_vector(work, row.WX, j, row.vector_at(work, row.X, k))
-        row.set_vector(work, row.DX, j, row.vector_at(work, row.LX, k))
-        work[row.END + j] = work[row.REACH + k]
-        work[row.NEAR + j] = work[row.RADIUS + k]
-        work[row.HIGH + j] = work[row.LEAST + k]
-        work[row.FAR + j] = work[row.AT_NEAR + k]
 
 
 @device

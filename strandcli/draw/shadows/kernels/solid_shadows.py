@@ -39,7 +39,8 @@ def soft_shadows(work, n, lights, i, solids, skin):
     size = lights[i, LIGHT_SIZE]
     point = lights[i, KIND]
     for k in range(n):
-        radius = penumbra.seen_from(size, point, work[row.REACH + k])
+        # the sine of the light's angular radius
+        radius = max(min(size / work[row.REACH + k], ONE) if point > ZERO else size, penumbra.SHARP)
         work[row.RADIUS + k] = radius
         # without incoming light the point counts as fully occluded
         work[row.LEAST + k] = radius if work[row.ARRIVES + k] > ZERO else -radius
@@ -57,13 +58,24 @@ def soft_shadows(work, n, lights, i, solids, skin):
 def past_built_in(solids, work, n, skin):
     """Reduce the rows `LEAST` to the sines of the angles to solids of the four shapes."""
     for m in range(solids.spheres.shape[0]):
-        x, y, z = solids.spheres[m, sphere.X], solids.spheres[m, sphere.Y], solids.spheres[m, sphere.Z]
-        by_ball(work, n, x, y, z, solids.spheres[m, sphere.RADIUS] - skin, skin)
+        cx, cy, cz = solids.spheres[m, sphere.X], solids.spheres[m, sphere.Y], solids.spheres[m, sphere.Z]
+        r = solids.spheres[m, sphere.RADIUS] - skin
+        for k in range(n):
+            x, y, z = lifted(work, k, skin)
+            lx, ly, lz = row.vector_at(work, row.LX, k)
+            least = penumbra.ball(r, cx - x, cy - y, cz - z, lx, ly, lz, work[row.REACH + k])
+            work[row.LEAST + k] = min(work[row.LEAST + k], least)
     for m in range(solids.capsules.shape[0]):
         by_capsule(work, n, solids.capsules, m, skin)
     for m in range(solids.planes.shape[0]):
-        x, y, z = solids.planes[m, plane.X], solids.planes[m, plane.Y], solids.planes[m, plane.Z]
-        by_plane(work, n, x, y, z, solids.planes[m, plane.HEIGHT], skin)
+        nx, ny, nz = solids.planes[m, plane.X], solids.planes[m, plane.Y], solids.planes[m, plane.Z]
+        height = solids.planes[m, plane.HEIGHT]
+        for k in range(n):
+            x, y, z = lifted(work, k, skin)
+            over = nx * x + ny * y + nz * z - height
+            lx, ly, lz = row.vector_at(work, row.LX, k)
+            least = over / work[row.REACH + k] + (nx * lx + ny * ly + nz * lz)
+            work[row.LEAST + k] = min(work[row.LEAST + k], least if over >= ZERO else penumbra.CLEAR)
     for m in range(solids.boxes.shape[0]):
         for k in range(n):
             if work[row.LEAST + k] > -work[row.RADIUS + k]:
@@ -85,28 +97,6 @@ def ray_of(work, k, skin):
     x, y, z = lifted(work, k, skin)
     lx, ly, lz = row.vector_at(work, row.LX, k)
     return penumbra.LightRay(x, y, z, lx, ly, lz, work[row.REACH + k])
-
-
-@device
-def by_ball(work, n, cx, cy, cz, r, skin):
-    """Reduce the rows `LEAST` to the sines of the angles to the edge of a ball of centre c and radius r, metres."""
-    for k in range(n):
-        x, y, z = lifted(work, k, skin)
-        lx, ly, lz = row.vector_at(work, row.LX, k)
-        least = penumbra.ball(r, cx - x, cy - y, cz - z, lx, ly, lz, work[row.REACH + k])
-        work[row.LEAST + k] = min(work[row.LEAST + k], least)
-
-
-@device
-def by_plane(work, n, nx, ny, nz, height, skin):
-    """Reduce the rows `LEAST` to the sines of the angles to a plane of unit normal n at `height` from the origin."""
-    for k in range(n):
-        x, y, z = lifted(work, k, skin)
-        over = nx * x + ny * y + nz * z - height
-        lx, ly, lz = row.vector_at(work, row.LX, k)
-        up = nx * lx + ny * ly + nz * lz
-        least = over / work[row.REACH + k] + up
-        work[row.LEAST + k] = min(work[row.LEAST + k], least if over >= ZERO else penumbra.CLEAR)
 
 
 @device

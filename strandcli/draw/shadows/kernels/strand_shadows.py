@@ -99,8 +99,8 @@ def count_in_front(work, n, shadows, one, layers, bias, width, over, behind):
     """Add the optical depth between the light and each of the first n vertices to the rows `PASSED`, from opacity map
     number `one` of `ShadowArrays`, for vertices that no earlier map contains.
 
-    bias: metres; width: mean width of strands, metres; over: 1 / h of `opacity`, 1/m; behind: None where `count_behind`
-    is not called then.
+    bias: metres; width: mean width of strands, metres; over: 1 / h of `opacity`, 1/m; behind: None, or that
+    of the strands behind is added to the rows `LEFT`, too.
     """
     stacks, start, size, views = shadows.stacks, shadows.starts[one], shadows.sizes[one], shadows.views
     if size < 2:
@@ -122,26 +122,11 @@ def count_in_front(work, n, shadows, one, layers, bias, width, over, behind):
             store(rows, TEXELS + 3 * W + k, whole)
         store3(rows, TEXELS + k, W, texels, cells, growth)
     for k in range(n):
-        scale = scale_at(work, k, views, one, bias)
+        scale = views[one, FOCAL] / (work[DEPTH + k] + bias) if near else views[one, FOCAL]
         texels, cells, growth = work[TEXELS + k], work[TEXELS + W + k], work[TEXELS + 2 * W + k]
         passed = opacity.corrected_depth(texels, cells, growth, width, scale)
-        work[PASSED + k] += passed if work[INSIDE + k] > ZERO else ZERO
-
-
-@device
-def scale_at(work, k, views, one, bias):
-    """Return the texels a metre at vertex k."""
-    return views[one, FOCAL] / (work[DEPTH + k] + bias) if views[one, PERSPECTIVE] > ZERO else views[one, FOCAL]
-
-
-@device
-def count_behind(work, n, shadows, one, bias, width):
-    """Add the optical depth of the strands behind each vertex to the rows `LEFT`; call `count_in_front` of the same map
-    before."""
-    views = shadows.views
-    if shadows.sizes[one] < 2:
-        return
-    for k in range(n):
-        own = TWICE * opacity.OWN * width * scale_at(work, k, views, one, bias)
-        total = max(work[TEXELS + 3 * W + k] - own - work[PASSED + k], ZERO)
-        work[LEFT + k] += total if work[INSIDE + k] > ZERO else ZERO
+        inside = work[INSIDE + k] > ZERO
+        work[PASSED + k] += passed if inside else ZERO
+        if behind is not None:
+            total = max(work[TEXELS + 3 * W + k] - TWICE * opacity.OWN * width * scale - work[PASSED + k], ZERO)
+            work[LEFT + k] += total if inside else ZERO

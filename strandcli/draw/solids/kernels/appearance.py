@@ -6,7 +6,6 @@ import math
 
 import numpy as np
 
-from ....constants import W
 from ....jit import device
 from ....solids.kernels import built_in, other
 from ...common.kernels.batch import EX, X, set_vector, vector_at
@@ -19,24 +18,9 @@ no facet that is seen is shaded from behind."""
 
 
 @device
-def looks(solids, which):
-    """Return whether solid number `which` has a look of its own."""
-    return other.has_look(solids) and which >= built_in.count(solids)
-
-
-@device
 def folds(solids, which):
     """Return whether solid number `which` may have edges in front of itself."""
     return which >= built_in.count(solids) and other.folds(solids, which - built_in.count(solids))
-
-
-@device
-def plain(work, n, paint, which):
-    """Store a solid's own colour, and no lift."""
-    for c in range(3):
-        for k in range(n):
-            work[ALBEDO + c * W + k] = paint[which, c]
-            work[LIFT + c * W + k] = ZERO
 
 
 @device

@@ -237,13 +237,8 @@ def folded(keys, at, column, width, view):
     here = depth_at(keys, at, view)
     across = bend(keys, at, 1, here, view)
     down = bend(keys, at, width, here, view)
-    return max(across, down) > FOLD * pixel_width(here, view)
-
-
-@device
-def pixel_width(depth, view):
-    """Return the width of a pixel at a depth, metres."""
-    return depth / view[FOCAL] if view[PERSPECTIVE] > ZERO else ONE / view[FOCAL]
+    wide = here / view[FOCAL] if view[PERSPECTIVE] > ZERO else ONE / view[FOCAL]  # of a pixel there, metres
+    return max(across, down) > FOLD * wide
 
 
 @device

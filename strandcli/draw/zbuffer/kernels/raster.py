@@ -20,9 +20,9 @@ from ...geometry.kernels.ribbon import (
     LEAST_Y,
     cross_section,
     direction,
-    measure_ribbon,
+    make_ribbon,
+    mitre,
     offsets_across,
-    round_depth,
 )
 from .lines import PART, Steps, Window, deposit, draw_lines
 
@@ -114,14 +114,16 @@ def draw_ribbon(screen, v, begin, end, w0, w1, depth_slope, window, identity, ke
     """Draw the segment from vertex v − 1 to v of the strand begin … end − 1 into the rows of a `Window`.
 
     It is w0 >= 1 to w1 >= 1 pixels wide and covers each pixel whose centre is in its ribbon. Joints are mitred
-    (`joints.mitre`), a strand's ends are square, and joints too sharp for a mitre have round caps. The depth is that of
+    (`mitre`), a strand's ends are square, and joints too sharp for a mitre have round caps. The depth is that of
     the round side toward the eye, or of the axis if the strand is no wider than a pixel."""
     top, bottom, width = window
     if max(abs(screen[v, 0] - screen[v - 1, 0]), abs(screen[v, 1] - screen[v - 1, 1])) < TINY:
         return
-    dx, dy, _ = direction(screen, v)
+    dx, dy, per = direction(screen, v)
     flat = abs(dx) >= abs(dy)
-    ribbon = measure_ribbon(screen, v, begin, end, w0, w1, flat)
+    joint0 = mitre(screen, v - 2, begin, end, dx, dy, HALF * w0, per)
+    joint1 = mitre(screen, v, begin, end, dx, dy, HALF * w1, per)
+    ribbon = make_ribbon(screen, v, w0, w1, flat, (dx, dy, per), joint0, joint1)
     # a cap is round where there is a neighbour without a mitre, but not one straight on
     round0 = v - 2 >= begin and screen[v - 2, 2] > ZERO and ribbon.ma0 == ribbon.da and ribbon.mb0 == ribbon.db
     round1 = v + 1 < end and screen[v + 1, 2] > ZERO and ribbon.ma1 == ribbon.da and ribbon.mb1 == ribbon.db
@@ -171,7 +173,8 @@ def draw_across(ribbon, sides, c, depth_slope, identity, keys):
         if left * ribbon.ma1 + b1 * ribbon.mb1 >= ZERO and not (sides.round1 and in_cap(left, b1, sides.w1)):
             continue
         t = min(max(past * per + lean * off, ZERO), ONE)
-        near = round_depth(ribbon, t, off / half, forward, tilt)
+        aside = off / half
+        near = ribbon.q0 + ribbon.rise * t + tilt * aside + forward * math.sqrt(max(ONE - aside * aside, ZERO))
         deposit(near, identity, np.uint64(c * sides.along + row * sides.across), keys)
 
 
