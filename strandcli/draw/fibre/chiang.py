@@ -1,15 +1,9 @@
 """Tables of the hair model of Chiang, Bitterli, Tappan & Burley (2016, "A Practical and Controllable Hair and Fur
 Model for Production Path Tracing"), averaged over the width of a strand; built once per material.
 
-N_p(θ_v, φ) = ½ ∫_{-1}^{1} A_p(θ_v, h) D(φ − Φ_p(h)) dh, with Φ_p = 2pγ_t − 2γ_i + pπ, h = sin γ_i = η' sin γ_t,
-η' = √(η² − sin² θ_v) / cos θ_v. A_0 = F, A_1 = (1 − F)² T, A_2 = A_1 T F, and what is left, Σ_{p>2} A_p = A_2 T F /
-(1 − T F), leaves evenly all round. F is Fresnel's reflectance at cos θ_v cos γ_i, T = exp(−2 σ_a cos γ_t / cos θ_t). D
-is the logistic distribution of scale s = √(π/8) (.265 β_n + 1.194 β_n² + 5.372 β_n²²), trimmed to [−π, π].
-
-Longitudinal: d'Eon's M_p of variance v_0 = (.726 β_m + .812 β_m² + 3.7 β_m²⁰)², v_1 = v_0 / 4, v_2 = v_3 = 4 v_0, the
-inclination of the eye turned by the scales, which stand up from the strand by ``tilt`` toward the tip: the peaks are at
-θ_l = −θ_v − 2·tilt (R, toward the root), + tilt (TT) and + 4·tilt (TRT). Codes in use have the opposite sign, for a
-tangent that points to the root. M is evaluated in the kernel.
+docs/fibres.md has the formulas of N_p, of the logistic D and of the variances of M, which the kernel evaluates. F is
+Fresnel's reflectance at cos θ_v cos γ_i, T = exp(−2 σ_a cos γ_t / cos θ_t). Codes in use have the opposite sign of
+``tilt``, for a tangent that points to the root.
 
 Energy: rows of the table are scaled so that Σ_p ∫ N_p dφ of what is interpolated is Σ_p ½ ∫ A_p dh, which is 1 without
 absorption.

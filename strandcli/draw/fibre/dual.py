@@ -1,24 +1,9 @@
 """Tables of dual scattering: light that reaches a strand through others, and what the strands about it send back.
 Built once per material, over the inclination of the light.
 
-As Zinke, Yuksel, Weber & Keyser (2008) do, only two ways are told apart, away from the light and back to it, and each
-passage widens the light's inclination by the variance v. The paper's sums over numbers of strands are those of endless
-hair with one or three reflections, and need density factors of .7. Here strands are met at random, τ of them on average
-before a point and τ' behind it, both from an opacity map, and three streams (Schuster 1905) are solved in closed form.
-With a strand's albedo a and the moments g_j of the cosine of j times the angle by which it turns light about its axis:
-
-- B, the beam: of what is scattered, the part a g₂ goes on as if it had not been (delta scaling; Joseph, Wiscombe &
-  Weinman 1976), so that B = e^(−k₀ τ), k₀ = 1 − a g₂. In it, e^-τ of the light has met no strand.
-- D on and U back: dD/dτ = −k D + c U + s_f B, dU/dτ = k U − c D − s_b B. They come at 45° on average, so that they
-  meet √2 times the strands, c = √2 a (1 − g₁) / 2 turn round, and k = √2 (1 − a) + c; deep inside this is diffusion.
-  s_b = a_b, what a strand sends back of light across it, and s_f is the rest, a − a_b − a g₂.
-
-No light comes from behind the last strand: D = 0 at τ = 0, U = 0 at τ' = 0. With κ = √(k² − c²), R = c / (k + κ),
-
-    D = A e^(−κτ) + C R e^(−κτ') + P e^(−k₀ τ),    U = A R e^(−κτ) + C e^(−κτ') + Q e^(−k₀ τ),
-
-P = (s_f (k + k₀) + c s_b) / (κ² − k₀²), Q = (s_b (k − k₀) + c s_f) / (κ² − k₀²). Tables hold κ, R, k₀, P and Q; A and
-C follow from τ and τ'. Nothing goes sideways: a small ball of strands keeps some light that it should lose.
+docs/fibres.md has the model, three streams in closed form, and what its letters mean: after Zinke, Yuksel, Weber &
+Keyser (2008), for strands that are met at random, τ of them on average before a point and τ' behind it. Tables hold κ,
+R, k₀, P and Q; A and C follow from τ and τ'. D and U come at 45° on average, so that they meet √2 times the strands.
 
 A strand answers to D and B − e^-τ as evenly spread over the half circle about the light, by the mean and the first
 harmonic of its azimuthal lobes; B, which is narrower, has the second as well, weakened once more by the passage that

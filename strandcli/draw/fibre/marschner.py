@@ -2,21 +2,14 @@
 
 S = Σ_p M_p(θ_h) N_p(θ_d, φ) / cos² θ_d over the lobes p = 0 (R), 1 (TT), 2 (TRT); angles as in `kernels/marschner.py`.
 
-Longitudinal: M_p = g(θ_h − α_p; β_p) / 2, g the normalised Gaussian, with α_p = α, −α/2, −3α/2 and β_p = β, β/2, 2β.
-The half turns dθ_v = 2 dθ_h into ∫ M_p dθ_v = 1, so that at small β a strand returns what N_p returns. A negative α
-leans R toward the root. M is evaluated in the kernel, within 2e-4 down to β = .1°; there a table within .5 % would take
-18,000 nodes, as TT is half as wide (d² / 8σ² of linear interpolation).
+docs/fibres.md has the formulas of M_p and N_p. M is evaluated in the kernel, within 2e-4 down to β = .1°; there a table
+within .5 % would take 18,000 nodes, as TT is half as wide (d² / 8σ² of linear interpolation).
 
 Energy: ∫ S cos θ_v dω_v with no absorption is .97 at α = 0 and normal incidence. Off the mirror direction cos² θ_v is
 not cos² θ_d, so the form is symmetric but not conserving: up to 1.11 at α = −7.5° and θ_l = 60°.
 
 Accuracy of the default size at 12° up to θ_d = 80°, against quadrature: RMS R .22 %, TT .03 %, TRT .18 %; pointwise
 above a tenth of a lobe's peak .4, .2 and 1 %.
-
-Azimuthal: N_p(θ_d, φ) = ½ ∫_{-1}^{1} A_p(h) D(φ − Φ_p(h)) dh with Φ_p = 2pγ_t − 2γ_i + pπ, h = sin γ_i = η' sin γ_t,
-the indices η' and η'' of the cross section (Bravais), A_0 = F, A_p = (1 − F)² F^{p−1} T^p. D is the wrapped Gaussian
-whose standard deviation is the material's azimuthal roughness, the same for every lobe; it takes the place of the
-paper's caustic removal.
 
 Absorption: T = exp(−2 σ_a cos γ_t / cos θ_t), 2 cos γ_t being the chord of the unit circle. The paper prints
 exp(−2 σ_a (1 + cos 2γ_t)), whose length 4 cos² γ_t is twice the diameter for h = 0; the chord is what Chiang et al.'s

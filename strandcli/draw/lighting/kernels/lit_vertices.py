@@ -29,19 +29,13 @@ def lit_first(work, n, which):
         if k >= end:
             return k
         end -= 1
-        swap(work, k, end, which)
+        which[k], which[end] = which[end], which[k]
+        for first in THREES:
+            for row in range(first, first + 3 * W, W):
+                work[row + k], work[row + end] = work[row + end], work[row + k]
+        for row in (REACH, ARRIVES):
+            work[row + k], work[row + end] = work[row + end], work[row + k]
         k += 1
-
-
-@device
-def swap(work, a, b, which):
-    """Swap items a and b of a batch."""
-    which[a], which[b] = which[b], which[a]
-    for first in THREES:
-        for row in range(first, first + 3 * W, W):
-            work[row + a], work[row + b] = work[row + b], work[row + a]
-    for row in (REACH, ARRIVES):
-        work[row + a], work[row + b] = work[row + b], work[row + a]
 
 
 @device

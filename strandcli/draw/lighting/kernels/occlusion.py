@@ -43,7 +43,14 @@ def sky_visibilities(volume, box, point, normal):
     """Return the visible share of the sky at a vector of points: of the whole sphere where the normal is None or 0, or
     of the hemisphere around a unit normal, weighted by the cosine; more of it the farther a place is outside of the
     cells. volume, box: of `inputs.Surround`."""
-    place, (c, b, a) = places_of(box, point)
+    u = (point[0] - box[MIDDLE_X]) * box[PER_METRE_X]  # in cells
+    v = (point[1] - box[MIDDLE_Y]) * box[PER_METRE_Y]
+    w = (point[2] - box[MIDDLE_Z]) * box[PER_METRE_Z]
+    a = min(max(ZERO, u), box[COUNT_X] - ONE)
+    b = min(max(ZERO, v), box[COUNT_Y] - ONE)
+    c = min(max(ZERO, w), box[COUNT_Z] - ONE)
+    place = min(floor(a), box[COUNT_X] - TWO), min(floor(b), box[COUNT_Y] - TWO), min(floor(c), box[COUNT_Z] - TWO)
+    a, b, c = a - place[0], b - place[1], c - place[2]
     rows = pointer(volume)
     near, far = records(rows, box, place, ZERO, c, b), records(rows, box, place, ONE, c, b)
     share = near[0] + a * (far[0] - near[0])
@@ -51,7 +58,10 @@ def sky_visibilities(volume, box, point, normal):
         for channel in range(3):
             weight = COSINE * normal[channel]
             share = share + weight * (near[channel + 1] + a * (far[channel + 1] - near[channel + 1]))
-    return faded(box, point, share)
+    beyond = past(u, box[COUNT_X]) / box[PER_METRE_X] + past(v, box[COUNT_Y]) / box[PER_METRE_Y]
+    beyond = beyond + past(w, box[COUNT_Z]) / box[PER_METRE_Z]
+    fall = box[FADE] / (beyond + box[FADE])
+    return ONE - fall * fall * (ONE - min(max(share, ZERO), ONE))
 
 
 @inlined
@@ -73,40 +83,9 @@ def mixed(p, q, t):
 
 
 @inlined
-def places_of(box, point):
-    """The lower of the cells about points along x, y and z, and the position between them along z, y and x. Vectors."""
-    u, v, w = in_cells(box, point)
-    u = min(max(ZERO, u), box[COUNT_X] - ONE)
-    v = min(max(ZERO, v), box[COUNT_Y] - ONE)
-    w = min(max(ZERO, w), box[COUNT_Z] - ONE)
-    i, j, k = min(floor(u), box[COUNT_X] - TWO), min(floor(v), box[COUNT_Y] - TWO), min(floor(w), box[COUNT_Z] - TWO)
-    return (i, j, k), (w - k, v - j, u - i)
-
-
-@inlined
 def first_of(box, place, i, j):
     """The cell at a place, i slabs and j rows on."""
     return ((place[0] + i) * box[COUNT_Y] + (place[1] + j)) * box[COUNT_Z] + place[2]
-
-
-@inlined
-def in_cells(box, point):
-    """Points in cells along x, y and z. Vectors."""
-    x, y, z = point
-    return (
-        (x - box[MIDDLE_X]) * box[PER_METRE_X], (y - box[MIDDLE_Y]) * box[PER_METRE_Y],
-        (z - box[MIDDLE_Z]) * box[PER_METRE_Z],
-    )  # fmt: skip
-
-
-@inlined
-def faded(box, point, share):
-    """Return a visible share of the sky, more of which is visible the farther places are outside of the cells."""
-    u, v, w = in_cells(box, point)
-    beyond = past(u, box[COUNT_X]) / box[PER_METRE_X] + past(v, box[COUNT_Y]) / box[PER_METRE_Y]
-    beyond = beyond + past(w, box[COUNT_Z]) / box[PER_METRE_Z]
-    fall = box[FADE] / (beyond + box[FADE])
-    return ONE - fall * fall * (ONE - min(max(share, ZERO), ONE))
 
 
 @inlined

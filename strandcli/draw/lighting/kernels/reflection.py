@@ -74,15 +74,6 @@ def rise(work, n, skin, depth):
 
 
 @device
-def deepest(coats, which):
-    """Return the greatest width of subsurface scattering of solid number `which`; 0 for an opaque one."""
-    if coats.shape[0] == 0:
-        return ZERO
-    red, green, blue = coats[which, SUBSURFACE], coats[which, SUBSURFACE + 1], coats[which, SUBSURFACE + 2]
-    return max(red, max(green, blue))
-
-
-@device
 def bend(work, n, lights, i):
     """Raise the directions to light number i until all of it stands above the surface's tangent plane, for shadow rays
     of light that enters a surface beside the point and leaves it here."""

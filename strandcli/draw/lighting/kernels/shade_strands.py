@@ -125,21 +125,14 @@ def load_colours(paint, work, n):
         work[row.COLOUR + k] = work[row.COLOUR + W + k] = ZERO
     rows = pointer(work)
     for k in range(0, n, lane_count(rows)):
-        place = place_in(tint, load(rows, row.COLOUR + k), load(rows, row.COLOUR + W + k))
+        a = load(rows, row.COLOUR + k) * np.float32(tint.shape[0] - 1)
+        b = (load(rows, row.COLOUR + W + k) + ONE) * HALF * np.float32(tint.shape[1] - 1)
+        i, j = min(floor(a), np.float32(tint.shape[0] - 2)), min(floor(b), np.float32(tint.shape[1] - 2))
+        place = place_at(i, j, a - i, b - j)
         red, green, blue, extra_red = mixed(tint, ALL, place)
         extra_green, extra_blue = mixed_pair(tint, LAST_TWO, place)
         store3(rows, row.COLOUR + k, W, red, green, blue)
         store3(rows, row.EXTRA + k, W, extra_red, extra_green, extra_blue)
-
-
-@inlined
-def place_in(tint, along, tone):
-    """Return the place, as `lobes.place_at`, of positions in [0, 1] and tones in [−1, 1] in a table of theirs."""
-    a = along * np.float32(tint.shape[0] - 1)
-    b = (tone + ONE) * HALF * np.float32(tint.shape[1] - 1)
-    i = min(floor(a), np.float32(tint.shape[0] - 2))
-    j = min(floor(b), np.float32(tint.shape[1] - 2))
-    return place_at(i, j, a - i, b - j)
 
 
 @device

@@ -15,11 +15,12 @@ from ....solids.kernels import other
 from ...common.kernels.batch import RADIANCE, vector_at
 from ...common.kernels.numbers import ZERO
 from ...common.kernels.surface_batch import ALBEDO, COAT, LIFT, ROWS, THERE, UNDER
+from ...solids.kernels import coat
 from ...solids.kernels.pixel_squares import find_pixels, places_in
 from ...solids.kernels.surface_pixels import average, composite, fill_batch
 from . import mirror
 from .inputs import Coating
-from .reflection import arrive, deepest, gleam, reflect, reflect_from_below
+from .reflection import arrive, gleam, reflect, reflect_from_below
 from .surface_points import cover, face, fade, light_around, look, patch, surroundings
 
 PIXELS = 4096
@@ -65,7 +66,9 @@ def surfaces(screen, surround, strands, lights, shadows, solids, coating, image)
 def batch(work, n, which, surround, strands, lights, shadows, solids, coating):
     """Set the rows `RADIANCE` of the first n points of a batch, which are on solid number `which`."""
     paint, coats, rows = coating.paint, coating.coats, lights.rows
-    depth = deepest(coats, which)
+    depth = ZERO  # greatest width of subsurface scattering
+    for c in range(3 if coats.shape[0] > 0 else 0):
+        depth = max(depth, coats[which, coat.SUBSURFACE + c])
     if other.has_look(solids) or depth > ZERO:
         for c in range(3):  # its own colour, and no lift
             for k in range(n):

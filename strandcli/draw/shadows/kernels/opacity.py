@@ -1,12 +1,8 @@
 """Deep opacity maps (Yuksel & Keyser 2008): optical depth of strands toward a light, by texel and depth layer.
 
-The layers of a cell divide the depths from its nearest strand to its farthest, at a distance D behind it. Of the n
-layers, n (x / (x + h)) (1 + h / D) end within x metres behind the nearest strand. So layers are nearly uniform within a
-few times h, where light falls off, and coarse behind that, where it is dark. Each piece of a strand in a texel adds its
-projected length × width / texel area to a layer, divided between two texels beside each other; the sum is the mean
-number of strands that a ray crosses, the optical depth τ. The transmittance is e^-τ where strand positions are
-independent. Crowded strands avoid each other and cover more: τ is increased by a part of itself that is proportional to
-τ and to (width / distance between strands)².
+docs/shadows.md has the layers of a cell and what a piece of a strand adds to them. Layers are nearly uniform within a
+few times h, where light falls off, and coarse behind that, where it is dark. Crowded strands avoid each other and cover
+more: τ is increased by a part of itself that is proportional to τ and to (width / distance between strands)².
 
 A cell is 2×2 texels whose layers have the same depths, so their mean is one texel twice as wide. Where the layers near
 a point show that strands lie far apart, `corrected_depth` uses the cell means instead, and a blend between the two: a
@@ -146,23 +142,14 @@ def cells_at(rows, start, half, up, left, point, layers):
     body = start + HEAD * half * half
     head = gather8(rows, start, up, HEAD * half, np.float32(HEAD) * left)
     k, part, gone, dense = layers_at(d, head, over, layers)
-    texels, middle, thick = passed_in(rows, body, head[ROW], k, part, layers)
+    p, q, r, s, p_end, q_end, r_end, s_end = gather8(rows, body, head[ROW], TEXELS * (layers + 1), EACH * k)
+    texels = p + part * (p_end - p), q + part * (q_end - q), r + part * (r_end - r), s + part * (s_end - s)
+    low, high = mean((p, q, r, s)), mean((p_end, q_end, r_end, s_end))
     if any_lane(reach * dense >= ONE):
         growth = growth_at(rows, body, head[ROW], gone, dense, reach, layers)
     else:  # no layer but that of the point is within reach
-        growth = where(gone < np.float32(layers), thick * dense, ZERO)
-    return Cells(texels, middle, growth, head[WHOLE:])
-
-
-@inlined
-def passed_in(rows, start, number, k, part, layers):
-    """Return τ in front of a depth, in the four texels of cells; the mean of the four; and how much that grows in the
-    layer. Vectors; arguments as in `growth_at`."""
-    stride = TEXELS * (layers + 1)
-    p, q, r, s, p_end, q_end, r_end, s_end = gather8(rows, start, number, stride, EACH * k)
-    low, high = mean((p, q, r, s)), mean((p_end, q_end, r_end, s_end))
-    texels = p + part * (p_end - p), q + part * (q_end - q), r + part * (r_end - r), s + part * (s_end - s)
-    return texels, low + part * (high - low), high - low
+        growth = where(gone < np.float32(layers), (high - low) * dense, ZERO)
+    return Cells(texels, low + part * (high - low), growth, head[WHOLE:])
 
 
 @inlined

@@ -5,7 +5,7 @@ from __future__ import annotations
 import numpy as np
 
 from ....jit import function, inlined, parallel, prange
-from ....simd import pointer, prefetch
+from ....simd import lane_count, load, pointer, prefetch, store
 from ...common.kernels.numbers import INF, ONE, ZERO
 from ...zbuffer.kernels.lines import Window
 from . import cell_extents, splats
@@ -77,12 +77,15 @@ def draw_part(work, n, held, parts, k, window, view, opacity_map):
     """Bring the vertices of part k into a run, and draw its segments once it has many. Return how many pieces the batch
     and how many vertices the run holds then, which held n and `held`; work: rows of `splats`."""
     begin, count = np.int64(parts.order[k, AT]), np.int64(parts.order[k, COUNT])
+    rows = pointer(work)
     for past in range(0, count, splats.RUN):
         held = splats.append(work, held, parts.kept, begin + past, min(count - past, splats.RUN))
         if held > splats.RUN:
             whole = (held - 1) // splats.SEGMENTS * splats.SEGMENTS
             n = draw_segments(work, n, whole, window, view, opacity_map)
-            held = splats.leave_out(work, held, whole)
+            held -= whole  # and the rest comes to the beginning of the run
+            for at in range(0, 4 * held, lane_count(rows)):
+                store(rows, splats.VERTICES + at, load(rows, splats.VERTICES + 4 * whole + at))
     return n, held
 
 
@@ -92,7 +95,12 @@ def draw_segments(work, n, count, window, view, opacity_map):
     then, which held n."""
     for first in range(0, count, splats.SEGMENTS):
         segments = splats.find_segments(work, first, count, window, view)
-        n = splats.collect(work, n, segments, window, opacity_map)
+        s = past = np.int64(0)
+        while s < segments:
+            n, s, past = splats.collect(work, n, segments, s, past)
+            if s < segments:
+                splats.add(work, n, window, opacity_map)
+                n = np.int64(0)
     return n
 
 

@@ -49,7 +49,12 @@ def soft_shadows(work, n, lights, i, solids, skin):
         if other.takes_vectors(solids):
             by_distances(work, n, solids, skin, skin)
         else:
-            by_distance(work, n, solids, skin)
+            for k in range(n):
+                if work[row.LEAST + k] > -work[row.RADIUS + k]:
+                    x, y, z = lifted(work, k, skin)
+                    light = work[row.REACH + k], work[row.RADIUS + k], skin
+                    least = other.lowest_sine(solids, x, y, z, row.vector_at(work, row.LX, k), light)
+                    work[row.LEAST + k] = min(work[row.LEAST + k], least)
     for k in range(n):
         work[row.ARRIVES + k] *= penumbra.share(work[row.LEAST + k], work[row.RADIUS + k])
 
@@ -97,17 +102,6 @@ def ray_of(work, k, skin):
     x, y, z = lifted(work, k, skin)
     lx, ly, lz = row.vector_at(work, row.LX, k)
     return penumbra.LightRay(x, y, z, lx, ly, lz, work[row.REACH + k])
-
-
-@device
-def by_distance(work, n, solids, skin):
-    """Reduce the rows `LEAST` to the sines of the angles to solids without kernels of their own."""
-    for k in range(n):
-        if work[row.LEAST + k] > -work[row.RADIUS + k]:
-            x, y, z = lifted(work, k, skin)
-            light = work[row.REACH + k], work[row.RADIUS + k], skin
-            least = other.lowest_sine(solids, x, y, z, row.vector_at(work, row.LX, k), light)
-            work[row.LEAST + k] = min(work[row.LEAST + k], least)
 
 
 @device

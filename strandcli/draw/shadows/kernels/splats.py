@@ -66,15 +66,6 @@ def append(work, held, kept, begin, count):
 
 
 @device
-def leave_out(work, held, segments):
-    """Take segments, whole vectors of them, off the beginning of a run; return how many vertices it holds then."""
-    rows = pointer(work)
-    for at in range(0, 4 * (held - segments), lane_count(rows)):
-        store(rows, VERTICES + at, load(rows, VERTICES + 4 * segments + at))
-    return held - segments
-
-
-@device
 def find_segments(work, begin, count, window, view):
     """Write the rows of up to `SEGMENTS` segments of a run, which has so many, from number `begin` on; return how many.
 
@@ -148,26 +139,11 @@ class OpacityMap(NamedTuple):
 
 
 @device
-def collect(work, n, segments, window, opacity_map):
-    """Add the splats of segments to a batch of n; return how many it holds then. A full batch is added to the map.
-
-    work: rows above.
-    """
-    s = past = np.int64(0)
-    while s < segments:
-        n, s, past = collect_some(work, n, segments, s, past)
-        if s < segments:
-            add(work, n, window, opacity_map)
-            n = np.int64(0)
-    return n
-
-
-@device
-def collect_some(work, n, segments, s, past):
+def collect(work, n, segments, s, past):
     """Add splats to a batch of n until it is full; return how many it holds then, and where to go on: the segment, and
     how many of its pieces are past. It calls nothing, so what a segment's pieces share stays in registers.
 
-    s, past: where to begin; else as in `collect`."""
+    work: rows above; s, past: where to begin."""
     rows = half_width_pointer(work)  # a segment has few pieces
     lanes = lane_count(rows)
     numbers = load(half_width_pointer(STEPS), 0)

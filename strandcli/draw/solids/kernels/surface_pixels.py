@@ -102,7 +102,8 @@ def fill_batch(screen, found, i, end, width, solids, work, which):
         if view[PERSPECTIVE] > ZERO:  # the depth number is one over the depth
             work[DISTANCE + n] = ONE / np.uint32(LOW - (key >> SHIFT)).view(np.float32)
         else:
-            work[DISTANCE + n] = distance(work[SX + n], work[SY + n], view, solids, own)
+            ox, oy, oz, dx, dy, dz = ray_through(work[SX + n], work[SY + n], view)
+            work[DISTANCE + n] = rays.meet(solids, own, ox, oy, oz, dx, dy, dz)
         n += 1
     return end, n, solid, fine
 
@@ -162,13 +163,6 @@ def ray_at(ray, column, row):
     x = np.float32(column) + (np.float32(ray % FINE) + HALF) / np.float32(FINE)
     y = np.float32(row) + (np.float32(ray // FINE) + HALF) / np.float32(FINE)
     return x, y
-
-
-@device
-def distance(x, y, view, solids, which):
-    """Return the depth of solid number `which` at a screen position, metres; inf where it is missed."""
-    ox, oy, oz, dx, dy, dz = ray_through(x, y, view)
-    return rays.meet(solids, which, ox, oy, oz, dx, dy, dz)
 
 
 @inlined
