@@ -20,8 +20,8 @@ from .common.scratch import Scratch
 from .coverage.coverage import Coverage, Layer
 from .coverage.kernels.resolve import CLOSED
 from .coverage.kernels.width_profiles import add_to_zbuffer
-from .film import haze
 from .film.aovs import Recorder
+from .film.film import veil_strands
 from .film.kernels import film
 from .geometry.curves import Polylines
 from .lighting.lighting import Lighting
@@ -192,7 +192,7 @@ class Canvas:
         colours = self.shade(self.lighting, batch, marks, visibility)
         thick = self.lighting.scene.image.haze
         if thick is not None:
-            haze.veil_strands(
+            veil_strands(
                 thick, self.lighting.view, self.backdrop, batch.screen, marks, colours, batch.profiles
             )  # fmt: skip
         self.drawing.lap("shade")

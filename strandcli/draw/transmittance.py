@@ -17,7 +17,7 @@ from numpy.typing import NDArray
 from .common.kernels.keys import EMPTY, FIRST, LOW
 from .common.scratch import Scratch
 from .coverage.coverage import Layer
-from .film import haze
+from .film.film import veil_solids, veil_strands
 from .film.kernels import film
 from .lighting.lighting import NO_SPOTS, NOT_HIDDEN, Lighting
 from .solids.edges import Edges
@@ -38,7 +38,7 @@ def draw_solids(
         lighting.shade_surfaces(keys, image, spots, hidden, rows)
     if thick is not None and behind is not None:
         here = slice(top * image.shape[1], bottom * image.shape[1])
-        haze.veil_solids(thick, lighting.view, behind, keys[here], image[top:bottom], hidden[here])
+        veil_solids(thick, lighting.view, behind, keys[here], image[top:bottom], hidden[here])
 
 
 def blacken(
@@ -94,5 +94,5 @@ class Transmittance:
         if thick is not None:
             self._veils[marks != 0] = 0
             white = np.ones((1, 1, 3), np.float32)
-            haze.veil_strands(thick, self.lighting.view, white, batch.screen, marks, self._veils, None)
+            veil_strands(thick, self.lighting.view, white, batch.screen, marks, self._veils, None)
         return self._veils

@@ -28,9 +28,8 @@ from ..solids.edges import Edges
 from .kernels import resolve, tile_binning
 from .kernels.fragments import SolidPixels
 from .kernels.tile_binning import TileSegments
-from .kernels.tiles import PIXELS, STEP, TILE_HEIGHT, TILE_WIDTH, Fragments
+from .kernels.tiles import BLOCK, MOST, PIXELS, SAFE, SPAN, STEP, TILE_HEIGHT, TILE_WIDTH, Fragments, PictureWindows
 from .kernels.width_profiles import Profiles, add_to_fragments
-from .kernels.windows import BLOCK, MOST, SAFE, SPAN, PictureWindows
 
 NO_WINDOWS = PictureWindows(np.zeros(0, np.float32), 0, 0)
 

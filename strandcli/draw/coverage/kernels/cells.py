@@ -101,7 +101,7 @@ class Target(NamedTuple):
     blocks: NDArray[np.int32]
     """(PIXELS,) scratch."""
     windows: NDArray[np.float32]
-    """(`windows.WINDOWS`,) depth numbers behind which nothing in parts of the tile is visible."""
+    """(`tiles.WINDOWS`,) depth numbers behind which nothing in parts of the tile is visible."""
     widest: NDArray[np.float32]
     """(1,) greatest width of the wide segments so far, samples."""
 

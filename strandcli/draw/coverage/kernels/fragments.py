@@ -15,19 +15,9 @@ from . import cells
 from . import segments as seg
 from .cells import CELLS, LANES, cover_cells, write_fragment
 from .ribbon import cover_ribbon
-from .segments import (
-    BEHIND,
-    NO_LENGTH,
-    RIBBON,
-    SEGMENTS,
-    from_axis,
-    load_vertices,
-    measure_joints,
-    measure_segments,
-)
+from .segments import BEHIND, NO_LENGTH, RIBBON, SEGMENTS, from_axis, load_vertices, measure_joints, measure_segments
 from .tile_binning import LOW, SHIFT, START_AND_FIRST, STRAND_AND_LAST
-from .tiles import ROW_BITS, THIN, TILE_HEIGHT, TILE_WIDTH
-from .windows import find_windows
+from .tiles import ROW_BITS, THIN, TILE_HEIGHT, TILE_WIDTH, find_windows
 
 AHEAD = np.int64(8)
 """Rows of segments that memory is prefetched ahead of their use."""

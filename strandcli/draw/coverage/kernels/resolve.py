@@ -22,9 +22,9 @@ from .tiles import (
     STEP,
     TILE_WIDTH,
     UNIT,
+    WINDOWS,
     tile_at,
 )
-from .windows import WINDOWS
 
 INITIAL_ROOM = np.int64(49152)
 """Initial capacity for the fragments of a tile."""

@@ -19,8 +19,7 @@ from ....simd import (
     where,
 )
 from ...common.kernels.numbers import HALF, ONE, STEPS, ZERO
-from .tiles import THIN
-from .windows import OF_TILE, window_of
+from .tiles import OF_TILE, THIN, window_of
 
 WIDE = np.float32(0.7)
 """Pixels. Segments that are no wider are thin whatever their slope; wider ones have the height of their band from point
@@ -137,7 +136,7 @@ def measure_segments(work, widths, count, opacity, left, top, far, depth_slope, 
     """Store the rows from `KIND` on of the segments between count + 1 vertices; return whether any may be wide.
 
     widths: as in `kind_of`; opacity: of the material; left, top: of the tile; far, depth_slope: as in `nearest_of`;
-    windows: as in `windows.find_windows`.
+    windows: as in `tiles.find_windows`.
     """
     rows = half_width_pointer(work)
     depths = half_width_pointer(windows)

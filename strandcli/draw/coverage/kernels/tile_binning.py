@@ -16,8 +16,7 @@ from ....simd import any_lane, floor, gather, half_width_pointer, lane_count, lo
 from ...common.kernels.numbers import HALF, ONE, ZERO
 from ...geometry.kernels.ribbon import GREATEST_Y, LEAST_Y
 from . import segments as seg
-from .tiles import TILE_HEIGHT, TILE_WIDTH
-from .windows import PictureWindows, window_of
+from .tiles import TILE_HEIGHT, TILE_WIDTH, PictureWindows, window_of
 
 OUTSIDE = np.float32(-max(TILE_WIDTH, TILE_HEIGHT))
 """Coordinate in tile number −1."""

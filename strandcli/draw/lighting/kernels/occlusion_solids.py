@@ -16,7 +16,7 @@ from ...common.kernels import batch
 from ...common.kernels.batch import LEAST, RADIUS
 from ...common.kernels.numbers import ONE, ZERO
 from ...shadows.kernels import penumbra
-from ...shadows.kernels.soft_distances import by_distances
+from ...shadows.kernels.solid_shadows import by_distances
 from ...solids.kernels import rays
 from .occlusion import DENSITY, MIDDLE_X, MIDDLE_Y, MIDDLE_Z
 

@@ -16,15 +16,8 @@ from ....jit.balance import places, task_at
 from ....simd import floor, lane_count, load, pointer, store3
 from ...common.kernels import batch as row
 from ...common.kernels.approximations import exp
-from ...common.kernels.light_columns import (
-    BIAS,
-    CLEAR_ROW,
-    FIRST_MAP,
-    MAP_COUNT,
-    MAP_LAYERS,
-    PER_FALL,
-    STRAND_WIDTH,
-)
+from ...common.kernels.batch import ARRIVES, COLOUR, EX, EXTRA, LX, RADIANCE, REACH, TX, X
+from ...common.kernels.light_columns import BIAS, CLEAR_ROW, FIRST_MAP, MAP_COUNT, MAP_LAYERS, PER_FALL, STRAND_WIDTH
 from ...common.kernels.numbers import HALF, ONE, ZERO
 from ...common.kernels.view_columns import EYE_X, EYE_Y, EYE_Z, FORWARD_X, FORWARD_Y, FORWARD_Z, PERSPECTIVE
 from ...coverage.kernels import width_profiles
@@ -34,7 +27,6 @@ from ...fibre.kernels.lobes import ALL, mixed, mixed_pair, place_at, width_highl
 from ...shadows.kernels.solid_shadows import hard_shadows, soft_shadows
 from ...shadows.kernels.strand_shadows import count_in_front, shade_by_minmax
 from .light import ambient_light, toward
-from .lit_vertices import find_marked, lit_first, longest
 
 TINY = np.float32(1e-30)
 NEXT = np.uint64(1)
@@ -239,3 +231,51 @@ def aim(work, n, lights, i):
         work[row.REACH + k] = reach
         work[row.ARRIVES + k] = falloff
         work[row.INSIDE + k] = ZERO
+
+
+THREES = (X, TX, EX, COLOUR, EXTRA, RADIANCE, LX)
+"""The first of three rows each that hold what is known of a vertex and the current light."""
+
+
+@device
+def lit_first(work, n, which):
+    """Reorder the first n vertices of a batch so that those where light arrives come first; return how many they are.
+
+    work: rows of `batch`, those before `REACH` and the light's own; which (n,): numbers of the vertices, reordered too.
+    """
+    k = np.int64(0)
+    end = n
+    while True:
+        while k < end and work[ARRIVES + k] > ZERO:
+            k += 1
+        while k < end and not work[ARRIVES + end - 1] > ZERO:
+            end -= 1
+        if k >= end:
+            return k
+        end -= 1
+        which[k], which[end] = which[end], which[k]
+        for first in THREES:
+            for at in range(first, first + 3 * W, W):
+                work[at + k], work[at + end] = work[at + end], work[at + k]
+        for at in (REACH, ARRIVES):
+            work[at + k], work[at + end] = work[at + end], work[at + k]
+        k += 1
+
+
+@device
+def longest(first, begin, end):
+    """Return the number of vertices of the longest of the strands begin … end − 1."""
+    most = np.int64(0)
+    for s in range(begin, end):
+        most = max(most, first[s + 1] - first[s])
+    return most
+
+
+@inlined
+def find_marked(marks, begin, end, marked):
+    """Write the marked vertices from begin … end − 1 to ``marked``, without branches; return how many they are."""
+    n = np.uint64(0)
+    for v in range(begin, end):
+        marked[n] = v
+        n += np.uint64(marks[v] != 0)
+    return n
