@@ -43,8 +43,8 @@ def thin(strands, sketch, view, size, kept, found, places, costs, extents):
             row = s + map_parts.shared_before(strands.first, s)
             for number in range(s + 1 + map_parts.shared_before(strands.first, s + 1) - row):
                 part = row + number
-                found[part, map_parts.AT] = at
-                length = thin_part(strands, s, number, sketch, view, size, (kept, found, costs), strands.along)
+                found[part, map_parts.AT], found[part, map_parts.COUNT] = at, 0
+                length = thin_part(strands, s, number, part, sketch, view, size, (kept, found, costs), strands.along)
                 if found[part, map_parts.COUNT] > 0:
                     at += found[part, map_parts.COUNT]
                     longest = max(longest, length)
@@ -66,11 +66,11 @@ def note_rows(low, high, cost, count, size, found, part, costs):
 
 
 @inlined
-def thin_part(strands, s, number, sketch, view, size, out, along):
+def thin_part(strands, s, number, part, sketch, view, size, out, along):
     """Write the vertices of a part of strand s, from its `AT` on, without those less than `SHORT` behind the last, what
     is found of it, and its cost. Return the length of its longest segment along an axis, texels.
 
-    out: `kept`, `found` and `costs` of `thin`; along: of the strands."""
+    number: of the part in its strand, part: among all; out: `kept`, `found` and `costs` of `thin`; along: of the strands."""
     kept, found, costs = out
     width = map_parts.width_of(strands.width, strands.scale, s)
     screen, far, near, focal = strands.screen, view.far, view.near, view.focal
@@ -78,8 +78,6 @@ def thin_part(strands, s, number, sketch, view, size, out, along):
     thin = width * strands.taper / np.float32(max(strands.first[s + 1] - a - 1, 1))
     middle = HALF * np.float32(size)
     begin, last = map_parts.part_range(strands.first, s, number)
-    part = s + map_parts.shared_before(strands.first, s) + number
-    found[part, map_parts.COUNT] = 0
     if begin >= last:
         return ZERO
     at = np.int64(found[part, map_parts.AT])
