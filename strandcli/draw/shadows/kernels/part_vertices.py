@@ -70,7 +70,7 @@ def thin_part(strands, s, number, part, sketch, view, size, out, along):
     """Write the vertices of a part of strand s, from its `AT` on, without those less than `SHORT` behind the last, what
     is found of it, and its cost. Return the length of its longest segment along an axis, texels.
 
-    number: of the part in its strand, part: among all; out: `kept`, `found` and `costs` of `thin`; along: of the strands."""
+    number: in its strand, part: among all; out: `kept`, `found` and `costs` of `thin`; along: of the strands."""
     kept, found, costs = out
     width = map_parts.width_of(strands.width, strands.scale, s)
     screen, far, near, focal = strands.screen, view.far, view.near, view.focal
