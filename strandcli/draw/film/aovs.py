@@ -2,22 +2,8 @@
 
 Each pixel describes the nearest surface of all its samples, seen through a pinhole at the frame's own time, regardless
 of lens and shutter. With sorted strands, a sample shows the strand that contributes most of its light, whatever is in
-front of or behind it, if at least `LEAST` of the light comes from strands; otherwise the solid or the background. Each
-layer is an array of the picture's height and width:
-
-============= ========= =========================================================================================
-`depth`       float32   metres along the camera's axis, not along the ray; infinite where nothing is
-`mask`        float32   share of the pixel that strands cover before anything else, 0 to 1: of its samples, or where
-                        strands are sorted of its light, exactly, however little that is
-`solid`       float32   share of the pixel that solids cover, whether strands are in front or not; at edges by 4×4 rays
-`tangent`     float32   (…, 3) unit vector in the world along the strand, root to tip; 0 where there is no strand
-`orientation` float32   angle of the tangent as it is seen, radians in [0, π): 0 to the right, π / 2 upright,
-                        counted against the clock; a line's, so root and tip are alike; −1 where there is no strand
-`strand_id`   int32     index in the groom; −1 nothing, −2 a solid
-`shadow`      float32   share of all lights' irradiance that strands and solids let through; 1 where nothing is
-`linear`      float32   (…, 3) the picture itself as linear light, before exposure and tone curve; without background
-                        (…, 4), light that is multiplied by alpha, and alpha
-============= ========= =========================================================================================
+front of or behind it, if at least `LEAST` of the light comes from strands; otherwise the solid or the background.
+docs/pictures.md has the layers, their types and what they hold where nothing is.
 """
 
 from __future__ import annotations

@@ -30,7 +30,6 @@ from strandcli.draw.shadows.kernels import (
 )
 from strandcli.draw.solids.kernels import rays
 from strandcli.draw.view.kernels import project
-from strandcli.draw.view.kernels.project import to_view
 from strandcli.draw.zbuffer.kernels import lines, raster
 from strandcli.jit import function
 from strandcli.simulate.rules import Moment
@@ -61,23 +60,17 @@ CALLS: dict[str, tuple[Any, tuple[Any, ...]]] = {
         piece_counts.count_pieces,
         (BLOCKS, 0, None, ROW, piece_counts.Splitting(8, ONE, 0, ROW, True), WORK),
     ),
-    "to_view": (to_view, (ONE, ONE, ONE, ROW)),
     "bezier": (curves.bezier, (ONE,) * 5),
     "cross_near_plane": (project.cross_near_plane, (TABLE, ROW, 1, 0, 4, ONE, ONE, ONE)),
     "to_screen": (project.to_screen, (WORK, 8, ROW)),
     "widen": (project.widen, (WORK, 8, 0, ROW, ONE, ONE, ONE, ONE, None)),
     "line": (lines.draw_line, (1, STEPS, lines.Window(0, 8, 8), np.uint64(1), KEYS)),
-    "mitre": (ribbon.mitre, (TABLE, 1, 0, 4, *[ONE] * 4)),
     "lines": (lines.prepare, (TABLE, 0, 1, lines.Window(0, 8, 8), STEPS)),
     "ribbon": (raster.draw_ribbon, (TABLE, 1, 0, 4, ONE, ONE, SLOPE, lines.Window(0, 8, 8), np.uint64(1), KEYS)),
-    "cross section": (ribbon.cross_section, (RIBBON, *3 * (ONE,))),
-    "offsets across": (ribbon.offsets_across, (RIBBON, *4 * (ONE,), SLOPE)),
     "draw across": (
         raster.draw_across,
         (RIBBON, raster.Sides(True, True, *4 * (ONE,), 1, 8), 1, SLOPE, np.uint64(1), KEYS),
     ),
-    "measure band": (coverage_ribbon.measure_band, (RIBBON,)),
-    "find cells of a band": (coverage_ribbon.find_cells, (RIBBON, ONE, ONE, TILE)),
     "rows of a cell": (
         coverage_ribbon.rows_of_cell, (RIBBON, coverage_ribbon.Band(*8 * (ONE,)), 1, coverage_ribbon.Cells(0, 8, 0, 8)),
     ),
@@ -85,7 +78,6 @@ CALLS: dict[str, tuple[Any, tuple[Any, ...]]] = {
         coverage_ribbon.cover_listed, (WORK, 8, RIBBON, coverage_ribbon.Band(*8 * (ONE,)), STRANDS, TILE),
     ),
     "add listed": (coverage_ribbon.add_listed, (WORK, 8, 1, 0, TILE, 0)),
-    "deposit": (lines.deposit, (ONE, np.uint64(1), np.uint64(1), KEYS)),
     "shadow line": (minmax.line, (TABLE, 1, 0, 8, 8, ONE, ONE, np.ones((64, 2), np.float32))),
     "falloff": (minmax.falloff, (ONE, ONE, ONE)),
     "locate": (percentage_closer.locate, (LIT, 1, TABLE, 1, TABLE, 1, 8)),
@@ -113,7 +105,6 @@ CALLS: dict[str, tuple[Any, tuple[Any, ...]]] = {
     "penumbra of a box": (penumbra.box, (TABLE, 1, RAY, ONE, ONE)),
     "lit solids": (rays.visibility, (SOLIDS, *[ONE] * 8)),
     "soft shadows": (solid_shadows.soft_shadows, (LIT, 1, TABLE, 1, SOLIDS, ONE)),
-    "ray": (rays.ray, (ROW, ONE, ONE)),
     "encode": (film.encode, (np.ones(8, np.float32), ONE, ONE)),
     "marschner": (
         marschner.highlights,

@@ -12,11 +12,6 @@ NODES = 64 * 512
 """Of a table, at most."""
 
 
-def roughness(material: Material) -> float:
-    """β_n is a setting of its own."""
-    return material.beta_n
-
-
 def tables(material: Material) -> Any:
     """`strandcli.draw.fibre.tables.FibreTables`, or None without highlights."""
     from ..chiang import build_tables

@@ -1,17 +1,11 @@
 """Surface of solids beyond their colour: a specular coat, and patches.
 
-The coat is a microfacet layer with the Trowbridge-Reitz (GGX) distribution, α = roughness² (Burley 2012), Smith's
-height-correlated masking and shadowing, and Schlick's Fresnel term. Over a light of angular radius a, half vectors lie
-within a / 2, and the coat mirrors the mean of the distribution over that disc: a polished one shows the disc, with its
-edge. The density of slopes, α² / (π (α² + s²)²), is that of a sphere's surface in stereographic projection, which makes
-a disc a cap: its share is ½ (1 + x / √(x² + 4 α² b²)), with x = b² − s² − α², for a disc of radius b at a distance s.
-Ambient light is mirrored as a whole, with a Fresnel term that rises less the rougher the coat is; a polished coat also
-mirrors solids and strands (`strandcli.draw.lighting.kernels.mirror`). The base receives what the coat does not mirror,
-so that a white solid in uniform light is as bright as the light.
-
-No liquid or solid has an index of refraction below that of water, which mirrors 2 % straight on. A weaker coat covers
-part of the surface with one of 2 %: at grazing angles it mirrors that part of the light, not all of it. Measured skin
-is such a surface: .2 to .3 of a smooth layer (Weyrich et al. 2006; d'Eon and Luebke 2007).
+docs/drawing.md has the coat's formulas. Over a light of angular radius a, half vectors lie within a / 2, and the coat
+mirrors the mean of the distribution over that disc: a polished one shows the disc, with its edge. The density of
+slopes, α² / (π (α² + s²)²), is that of a sphere's surface in stereographic projection, which makes a disc a cap: its
+share is ½ (1 + x / √(x² + 4 α² b²)), with x = b² − s² − α², for a disc of radius b at a distance s. Ambient light is
+mirrored as a whole, with a Fresnel term that rises less the rougher the coat is. The base receives what the coat does
+not mirror, so that a white solid in uniform light is as bright as the light.
 
 Patches are three-dimensional noise in octaves, each faded out where it is finer than a pixel.
 """
