@@ -60,7 +60,7 @@ def minmax_transmittance(
     x: Any, y: Any, z: Any, lights: Any, i: int, texels: Any, starts: Any, sizes: Any, views: Any
 ) -> float:
     """The share of a light that min/max maps leave at a point."""
-    work, shadows = at(x, y, z), ShadowArrays(texels, NOTHING, starts, sizes, views, NOTHING, starts)
+    work, shadows = at(x, y, z), ShadowArrays(texels, NOTHING, starts, sizes, views)
     for one in maps_of(lights, i):
         strand_shadows.shade_by_minmax(work, 1, shadows, one, lights[i, BIAS])
     return float(work[batch.ARRIVES])
@@ -70,7 +70,7 @@ def optical_depth(
     x: Any, y: Any, z: Any, width: Any, lights: Any, i: int, stacks: Any, starts: Any, sizes: Any, views: Any
 ) -> float:
     """τ between a light with opacity maps and a point; width: mean width of strands, metres, 0 for a point on none."""
-    work, shadows = at(x, y, z), ShadowArrays(NOTHING.reshape(0, 2), stacks, starts, sizes, views, NOTHING, starts)
+    work, shadows = at(x, y, z), ShadowArrays(NOTHING.reshape(0, 2), stacks, starts, sizes, views)
     for one in maps_of(lights, i):
         count(work, shadows, one, int(lights[i, MAP_LAYERS]), lights[i, BIAS], width, lights[i, PER_FALL])
     return float(work[batch.PASSED])

@@ -52,6 +52,7 @@ SLOPE = DepthSlope(*4 * (ONE,))
 RIBBON = ribbon.Ribbon(True, *16 * (ONE,))
 NUMBERS = np.zeros(64, np.int32)
 TILE = cells.Target(0, 8, 0, 8, 4, ROW, NUMBERS, NUMBERS, ONE, ROW, ROW, NUMBERS, ROW, ROW)
+TEXEL_STEPS = minmax.Steps(NUMBERS, *4 * (np.zeros(64, np.int64),), *2 * (ROW,))
 STEPS = lines.Steps(*4 * (NUMBERS,), *2 * (np.zeros(64, np.int64),), *2 * (ROW,))
 STRANDS = fragments.Strands(PLACES, TABLE, ROW, ONE, SLOPE, 1)
 CALLS: dict[str, tuple[Any, tuple[Any, ...]]] = {
@@ -78,7 +79,8 @@ CALLS: dict[str, tuple[Any, tuple[Any, ...]]] = {
         coverage_ribbon.cover_listed, (WORK, 8, RIBBON, coverage_ribbon.Band(*8 * (ONE,)), STRANDS, TILE),
     ),
     "add listed": (coverage_ribbon.add_listed, (WORK, 8, 1, 0, TILE, 0)),
-    "shadow line": (minmax.line, (TABLE, 1, 0, 8, 8, ONE, ONE, np.ones((64, 2), np.float32))),
+    "shadow lines": (minmax.prepare, (TABLE, 0, 1, 0, 8, 8, ONE, ONE, TEXEL_STEPS)),
+    "shadow line": (minmax.line, (1, TEXEL_STEPS, 0, 8, 8, np.ones((64, 2), np.float32))),
     "falloff": (minmax.falloff, (ONE, ONE, ONE)),
     "locate": (percentage_closer.locate, (LIT, 1, TABLE, 1, TABLE, 1, 8)),
     "percentage closer": (

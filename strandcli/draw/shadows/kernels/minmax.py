@@ -7,22 +7,43 @@ depth along the light's view in metres.
 from __future__ import annotations
 
 import math
+from typing import NamedTuple
 
 import numpy as np
+from numpy.typing import NDArray
 
 from ....jit import device, function, parallel, prange
+from ....simd import pointer
 from ...common.kernels.numbers import HALF, ONE, ZERO
 from ...common.kernels.view_columns import AXIS_X, AXIS_Y, FOCAL, PERSPECTIVE
 from ...geometry.kernels.ribbon import GREATEST_Y, LEAST_Y
 from ...view.kernels.project import to_view
-from ...zbuffer.kernels.lines import FIXED, POINT
+from ...zbuffer.kernels.lines import FIXED, PART, POINT
 
+THREE = np.uint64(3)
 SMALL = np.float32(1e-20)
 NEAREST, FARTHEST = 0, 1
 """Columns of a texel: depths of the nearest and the farthest strand, metres."""
 # 1 − (√e p(h) − 1) / (e − 1) as LIT − STEEP p(h)
 LIT = np.float32(1 + 1 / (math.e - 1))
 STEEP = np.float32(math.sqrt(math.e) / (math.e - 1))
+
+
+class Steps(NamedTuple):
+    """How each of `PART` segments goes from sample to sample."""
+
+    samples: NDArray[np.int32]
+    """Samples; 0 for a segment that is not in the rows."""
+    x: NDArray[np.int64]
+    y: NDArray[np.int64]
+    """Position of the first sample, texels in fixed point."""
+    step_x: NDArray[np.int64]
+    step_y: NDArray[np.int64]
+    """Its change from sample to sample."""
+    depth: NDArray[np.float32]
+    """Depth of the first sample, metres."""
+    rise: NDArray[np.float32]
+    """Its change from sample to sample."""
 
 
 @parallel
@@ -34,34 +55,65 @@ def fill(first, screen, bands, size, far, near, texels):
     (size * size, 2) float32: nearest and farthest depth, metres; (inf, −inf) where there is no strand.
     """
     for task in prange(bands.workers):
+        steps = Steps(
+            np.empty(PART, np.int32), np.empty(PART, np.int64), np.empty(PART, np.int64), np.empty(PART, np.int64),
+            np.empty(PART, np.int64), np.empty(PART, np.float32), np.empty(PART, np.float32),
+        )  # fmt: skip
         for top in range(np.int64(task) * bands.rows, size, bands.workers * bands.rows):
-            bottom = min(top + bands.rows, size)
-            for s in range(bands.extents.shape[0]):
-                if bands.extents[s, LEAST_Y] < np.float32(bottom) and bands.extents[s, GREATEST_Y] >= np.float32(top):
-                    for v in range(first[s], first[s + 1] - 1):
-                        line(screen, v, top, bottom, size, far, near, texels)
+            band(first, screen, bands.extents, top, min(top + bands.rows, size), size, far, near, steps, texels)
 
 
 @device
-def line(screen, v, top, bottom, size, far, near, texels):
-    """Draw the segment from vertex v to the next in the rows top … bottom − 1, with a sample for each texel along its
-    longer axis, and at least one; other arguments as in `fill`."""
-    x0, y0, q0 = screen[v, 0], screen[v, 1], screen[v, 2]
-    x1, y1, q1 = screen[v + 1, 0], screen[v + 1, 1], screen[v + 1, 2]
-    dx, dy = x1 - x0, y1 - y0
-    inside = max(y0, y1) >= np.float32(top) and min(y0, y1) < np.float32(bottom)
-    length = np.ceil(max(abs(dx), abs(dy)))
-    # where the light is so near that a segment is longer than its map, it is left out
-    if not (inside and min(q0, q1) > ZERO and length <= np.float32(4 * size)):
-        return
-    d = near + (ONE - q0) * far if far > ZERO else ONE / q0
-    end = near + (ONE - q1) * far if far > ZERO else ONE / q1
-    per = ONE / max(length, ONE)
-    rise = (end - d) * per
-    d += rise * HALF
-    x, y = np.int64((x0 + dx * per * HALF) * FIXED), np.int64((y0 + dy * per * HALF) * FIXED)
-    step_x, step_y = np.int64(dx * per * FIXED), np.int64(dy * per * FIXED)
-    for _ in range(np.int64(max(length, ONE))):
+def band(first, screen, extents, top, bottom, size, far, near, steps, texels):
+    """Draw the strands in the rows top … bottom − 1; steps: `Steps` to work in; other arguments as in `fill`."""
+    for s in range(extents.shape[0]):
+        if not (extents[s, LEAST_Y] < np.float32(bottom) and extents[s, GREATEST_Y] >= np.float32(top)):
+            continue
+        v = first[s]
+        end = first[s + 1] - 1
+        while v < end:
+            n = min(end - v, np.int64(PART))
+            prepare(screen, v, n, top, bottom, size, far, near, steps)
+            for k in range(n):
+                if steps.samples[k] > 0:
+                    line(k, steps, top, bottom, size, texels)
+            v += n
+
+
+@device
+def prepare(screen, begin, n, top, bottom, size, far, near, steps):
+    """Write the steps of the n segments from vertex `begin` on, side by side without branches, which LLVM vectorises:
+    a sample for each texel along the longer axis, and at least one."""
+    points = pointer(screen)
+    above, below, most = np.float32(top), np.float32(bottom), np.float32(4 * size)
+    for k in range(n):
+        o = THREE * np.uint64(begin + k)
+        x0, y0, q0 = points[o], points[o + np.uint64(1)], points[o + np.uint64(2)]
+        x1, y1, q1 = points[o + np.uint64(3)], points[o + np.uint64(4)], points[o + np.uint64(5)]
+        length = np.ceil(max(abs(x1 - x0), abs(y1 - y0)))
+        inside = (max(y0, y1) >= above) & (min(y0, y1) < below)
+        # where the light is so near that a segment is longer than its map, it is left out
+        some = (q0 > ZERO) & (q1 > ZERO) & inside & (length <= most)
+        d0 = near + (ONE - q0) * far if far > ZERO else ONE / q0
+        d1 = near + (ONE - q1) * far if far > ZERO else ONE / q1
+        count = max(length, ONE)
+        per = ONE / count
+        rise = (d1 - d0) * per
+        steps.samples[k] = np.int32(count if some else ZERO)
+        steps.x[k] = np.int64((x0 + (x1 - x0) * per * HALF) * FIXED if some else ZERO)
+        steps.y[k] = np.int64((y0 + (y1 - y0) * per * HALF) * FIXED if some else ZERO)
+        steps.step_x[k] = np.int64((x1 - x0) * per * FIXED if some else ZERO)
+        steps.step_y[k] = np.int64((y1 - y0) * per * FIXED if some else ZERO)
+        steps.depth[k] = d0 + rise * HALF
+        steps.rise[k] = rise
+
+
+@device
+def line(k, steps, top, bottom, size, texels):
+    """Draw the samples of segment number k."""
+    d, rise = steps.depth[k], steps.rise[k]
+    x, y, step_x, step_y = steps.x[k], steps.y[k], steps.step_x[k], steps.step_y[k]
+    for _ in range(np.int64(steps.samples[k])):
         row = y >> POINT
         column = x >> POINT
         if row >= top and row < bottom and column >= 0 and column < size:

@@ -10,7 +10,10 @@ from ....constants import W
 from ....jit import device, function, inlined
 from ....simd import lane_count, load, load3, pointer, store, where
 from ....solids.kernels import other
+from ....solids.kernels import plane as plane_rays
+from ....solids.kernels import sphere as sphere_rays
 from ....solids.kernels.built_in import device_if_built_in
+from ....solids.kernels.outside import count
 from ....solids.shapes import capsule, plane, sphere
 from ...common.kernels import batch as row
 from ...common.kernels.light_columns import KIND, LIGHT_SIZE
@@ -25,11 +28,38 @@ def hard_shadows(work, n, solids, skin):
 
     Rows of `batch`; solids: `strandcli.solids.Solids`; skin: as in `rays.visibility`.
     """
-    for k in range(n):
-        if work[row.ARRIVES + k] > ZERO:
+    past_spheres(solids, work, n, skin)
+    past_planes(solids, work, n, skin)
+    if count(solids) > solids.spheres.shape[0] + solids.planes.shape[0]:
+        for k in range(n):
+            if work[row.ARRIVES + k] > ZERO:
+                x, y, z = row.vector_at(work, row.X, k)
+                lx, ly, lz = row.vector_at(work, row.LX, k)
+                work[row.ARRIVES + k] *= rays.visibility(solids, x, y, z, lx, ly, lz, work[row.REACH + k], skin)
+
+
+@device_if_built_in(lambda solids, work, n, skin: None)
+def past_spheres(solids, work, n, skin):
+    """Set the rows `ARRIVES` to 0 where a sphere occludes the light."""
+    for s in range(solids.spheres.shape[0]):
+        for k in range(n):
             x, y, z = row.vector_at(work, row.X, k)
             lx, ly, lz = row.vector_at(work, row.LX, k)
-            work[row.ARRIVES + k] *= rays.visibility(solids, x, y, z, lx, ly, lz, work[row.REACH + k], skin)
+            work[row.ARRIVES + k] *= sphere_rays.visibility(
+                solids.spheres, s, x, y, z, lx, ly, lz, work[row.REACH + k], skin
+            )
+
+
+@device_if_built_in(lambda solids, work, n, skin: None)
+def past_planes(solids, work, n, skin):
+    """Set the rows `ARRIVES` to 0 where a plane occludes the light."""
+    for s in range(solids.planes.shape[0]):
+        for k in range(n):
+            x, y, z = row.vector_at(work, row.X, k)
+            lx, ly, lz = row.vector_at(work, row.LX, k)
+            t = plane_rays.meet(solids.planes, s, x + skin * lx, y + skin * ly, z + skin * lz, lx, ly, lz)
+            hides = (skin < t) & (t < work[row.REACH + k])
+            work[row.ARRIVES + k] = ZERO if hides else work[row.ARRIVES + k]
 
 
 @function
