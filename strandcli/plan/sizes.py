@@ -10,7 +10,6 @@ import math
 from collections.abc import Sequence
 from typing import TYPE_CHECKING, Any, NamedTuple
 
-from ..draw.geometry.spacing import spacing_of
 from ..draw.shadows.shadow_model import model_of
 from ..scene.detail import mean_share, strands_needed
 from ..scene.model import DiscShape, MeshShape, PlaneShape
@@ -90,6 +89,7 @@ def sizes_of(scene: Scene, strands: int, frames: Sequence[int]) -> Sizes:
     if emitter.extent is None:
         apart = math.sqrt(max(area, 1e-12) * squeezed(scene, extent, length) / max(drawn * share, 1.0))
     else:
+        from ..draw.geometry.spacing import spacing_of  # Numba, which scenes of no file do without
         from ..groom_file import from_scene
 
         groom = from_scene(scene).groom

@@ -147,7 +147,7 @@ def test_an_entry_follows_the_text_of_all_modules_that_a_kernel_is_made_of(
     kernel, written = "strandcli.draw.coverage.kernels.resolve", "strandcli.solids.shapes.other_code"
     counting = ("simd/lanes.py", "constants.py", "jit/__init__.py", "draw/coverage/kernels/resolve.py")
     others = (
-        "pipeline.py", "__init__.py", "jit/cache.py", "jit/loaded.py", "compiling/service.py", "simulate/rules/wind.py",
+        "pipeline.py", "__init__.py", "jit/cache.py", "jit/kept.py", "compiling/service.py", "simulate/rules/wind.py",
     )  # fmt: skip
 
     def digest(module: str = kernel) -> str:

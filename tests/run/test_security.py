@@ -18,7 +18,7 @@ from strandcli.cli.sweep import Axis, points
 from strandcli.dataset.order import names_of
 
 PAGE = (ROOT / "SECURITY.md").read_text(encoding="utf-8")
-UNPICKLING = {"compiling/worker.py", "compiling/service.py", "jit/loaded.py"}
+UNPICKLING = {"compiling/worker.py", "compiling/service.py", "jit/cache.py"}
 """Between processes of strandcli's own, and kernels whose hash and owner were looked at."""
 NETWORK = {"http", "urllib.request", "ftplib", "smtplib", "ssl", "requests", "asyncio", "xmlrpc", "webbrowser"}
 

@@ -169,7 +169,7 @@ def test_pinned_tips_are_watched(monkeypatch: pytest.MonkeyPatch) -> None:
     (found,) = run.perform(run.named("rod/emitter=flip/end=pinned"))
     assert found.verdict == "pass"
     assert found.metrics["pinned_off"] < 1e-3
-    monkeypatch.setattr("strandcli.simulate.rod.solver.HEAVY", 1.0)
+    monkeypatch.setattr("strandcli.simulate.rod.setup.HEAVY", 1.0)
     assert "pinned_off" in run.perform(run.named("rod/emitter=flip/end=pinned"))[0].failed
 
 

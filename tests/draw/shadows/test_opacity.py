@@ -249,7 +249,8 @@ def test_transmittance_agrees_with_rays_that_meet_cylinders(light: Light) -> Non
     own = rng.integers(0, 3000, 600)
     vertex, part = 9 * own + rng.integers(0, 8, 600), rng.random((600, 1))
     points = (1 - part) * lines.world[vertex] + part * lines.world[vertex + 1]
-    truth = transmittance(lines, thickness, light, points, own, bundle(1024, BUNDLE * spacing, rng)).mean(1)
+    jitter, wide = bundle(1024, BUNDLE * spacing, rng), np.ones(600)
+    truth = transmittance(lines, thickness, light, points, own, jitter, wide).mean(1)
     assert 0.1 < truth.mean() < 0.9
     deep = off_by(lines, replace(light, shadow=Shadow(model="opacity")), points, truth, thickness, spacing)
     assert np.abs(deep).mean() < 0.03
