@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 from abc import ABC, abstractmethod
-from collections.abc import Mapping
+from collections.abc import Mapping, Sequence
 from typing import TYPE_CHECKING, Any
 
 import numpy as np
@@ -20,6 +20,10 @@ from .contact.kernels import measure
 
 if TYPE_CHECKING:
     from ..scene.model import Scene
+
+
+ANNOUNCED = 8
+"""Steps that are announced at once."""
 
 
 class Solver(ABC):
@@ -55,10 +59,16 @@ class Solver(ABC):
         self.deforming = deforming(scene, groom)
         """The roots, where they move in the emitter's frame."""
         self._frame = 0
+        self._announced = 0
+        """Frame up to whose begin steps are announced."""
 
     @abstractmethod
     def step(self, time: float, dt: float) -> None:
         """Simulate a step of ``dt`` seconds that ends at ``time``; do nothing if ``dt`` is 0."""
+
+    def announce(self, ends: Sequence[float], dt: float) -> None:  # noqa: B027  which most need not hear
+        """Be told that steps of ``dt`` seconds with these ends are likely to come next, unless the solver goes on from
+        another state: what follows from time alone can be computed for all of them together."""
 
     @abstractmethod
     def place_roots(self, frame: int) -> None:
@@ -83,9 +93,14 @@ class Solver(ABC):
             for j in range(before):
                 self.step((j + 1 - before) * dt, dt)
             self._frame = 1
+        substeps = time.substeps
         while self._frame < frame:
-            for j in range(time.substeps):
-                self.step((self._frame - 1 + (j + 1) / time.substeps) / time.fps, dt)
+            if self._frame >= self._announced:
+                self._announced = self._frame + max(ANNOUNCED // substeps, 1)
+                frames = range(self._frame, self._announced) if substeps < ANNOUNCED else ()
+                self.announce([(f - 1 + (j + 1) / substeps) / time.fps for f in frames for j in range(substeps)], dt)
+            for j in range(substeps):
+                self.step((self._frame - 1 + (j + 1) / substeps) / time.fps, dt)
             self._frame += 1
 
     def state_arrays(self) -> dict[str, NDArray[Any]]:
@@ -100,7 +115,7 @@ class Solver(ABC):
 
     def restore(self, state: Mapping[str, NDArray[Any]]) -> None:
         """Go on from a state that `state_arrays` of a solver of the same scene has returned."""
-        self._frame = int(state["clock"][0])
+        self._frame, self._announced = int(state["clock"][0]), 0
         self.positions[...] = state["positions"]
 
     def take(self, frame: int, particles: NDArray[np.floating]) -> None:

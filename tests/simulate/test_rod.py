@@ -11,7 +11,6 @@ import strandcli
 from rod_kit import each_step, take_steps
 from strand_kit import groom_of, scene_of
 from strandcli.compiling import runtime
-from strandcli.constants import W
 from strandcli.errors import UsageError
 from strandcli.groom.emit import emit
 from strandcli.simulate import advice
@@ -129,13 +128,6 @@ def test_nothing_is_compiled_for_strands_that_do_not_move(monkeypatch: pytest.Mo
     with pytest.raises(NotImplementedError):
         solver.advance(2)
     assert asked == ["float64"]
-
-
-def test_lanes_without_a_strand_are_copies_of_the_last() -> None:
-    solver = solver_of(scene(10.0, **{"emitter.strands": 20}))
-    take_steps(solver, 24, 3)
-    rows = solver.positions[-1].reshape(-1, W)
-    assert (rows[:, 20:] == rows[:, 19:20]).all()
 
 
 def test_rules_of_other_packages_are_refused_by_name() -> None:

@@ -44,8 +44,9 @@ class Pass:
     root, and the same in the emitter's own frame.
 
     ``prepare(moment)`` returns the float32 array p for a step: ``(numbers,)`` for a lane pass or, with
-    ``per_particle``, ``(n, numbers)``, a row for each particle. A rule that remembers earlier steps keeps that in the
-    arrays ``state``, which it changes in place, so that checkpoints have it.
+    ``per_particle``, ``(n, numbers)``, a row for each particle. It follows from the moment alone, and is asked for
+    several steps at once; a rule that remembers earlier steps keeps that in the arrays ``state``, which it changes in
+    place, so that checkpoints have it, and steps are prepared one by one.
     """
 
     function: Callable[..., Any]

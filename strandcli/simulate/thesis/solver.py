@@ -17,8 +17,10 @@ from collections.abc import Callable, Mapping, Sequence
 from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
+import numpy as np
 from numpy.typing import NDArray
 
+from ... import solids
 from ...compiling import runtime
 from ...compiling.written import module_of
 from ...errors import UsageError
@@ -156,14 +158,30 @@ class ThesisSolver(Solver):
         self._distinct = list({id(one): one for one in self.passes}.values())
         places = {id(one): place for place, one in enumerate(self._distinct)}
         self._places = [places[id(one)] for one in self.passes]
+        self._steady = not (any(one.state for one in self._distinct) or solids.others(scene.solids))
+        """Whether the numbers of all passes follow from the moment alone, and are few."""
+        self._known: dict[tuple[float, float], list[Any]] = {}
+
+    def announce(self, ends: Sequence[float], dt: float) -> None:
+        """As for any solver."""
+        if self._steady:
+            self._known = {(time, dt): self._prepared(time, dt, copied=True) for time in ends}
 
     def step(self, time: float, dt: float) -> None:
         """Simulate a step of ``dt`` seconds that ends at ``time``."""
         if self._step is not None and dt > 0:
             self._deform(time)
-            moment = Moment(time, dt * self._stretched(time, dt), self.scene)
-            prepared = [one.prepare(moment) for one in self._distinct]
-            self._step(self.positions, self.lengths, self.rest, *[prepared[place] for place in self._places])
+            prepared = self._known.get((time, dt)) or self._prepared(time, dt)
+            self._step(self.positions, self.lengths, self.rest, *prepared)
+
+    def _prepared(self, time: float, dt: float, copied: bool = False) -> list[Any]:
+        """Return the numbers of all passes for a step of ``dt`` seconds that ends at ``time``; ``copied``: a rule may
+        write over its own at the next moment."""
+        moment = Moment(time, dt * self._stretched(time, dt), self.scene)
+        prepared = [one.prepare(moment) for one in self._distinct]
+        if copied:
+            prepared = [one.copy() if isinstance(one, np.ndarray) else one for one in prepared]
+        return [prepared[place] for place in self._places]
 
     def _stretched(self, time: float, dt: float) -> float:
         """Return how many times as long as the others the step that ends at ``time`` is, by ``time.jitter``: evenly
