@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import sys
 from pathlib import Path
+from typing import Any
 
 import numpy as np
 import pytest
@@ -42,13 +43,13 @@ def test_opacity_maps_of_a_file_are_planned(
     """As many bytes as their arrays have, within a third, from sparse grooms to dense ones."""
     path, taken = groom(tmp_path / "a.npz", kind, strands), []
     scene = strandcli.load("groom", settings={"emitter.groom.file": path, "image.size": [48, 36]})
-    found = ShadowMaps._find_fronts
+    build = ShadowMaps.build
 
-    def noted(maps: ShadowMaps, scratch: object) -> None:
-        found(maps, scratch)
-        taken.append(4 * sum(maps._lengths) + maps.fronts[0].nbytes + sum(one.nbytes for one in maps.extents))
+    def noted(maps: ShadowMaps, *arguments: Any) -> None:
+        build(maps, *arguments)
+        taken.append(4 * sum(maps._lengths) + sum(one.nbytes for one in maps.extents))
 
-    monkeypatch.setattr(ShadowMaps, "_find_fronts", noted)
+    monkeypatch.setattr(ShadowMaps, "build", noted)
     frames_of(scene, 1)
     planned = sum(_map_bytes(make_plan(scene, [1]), scene, light) for light in scene.lights)
     assert len(taken) == 1

@@ -143,8 +143,10 @@ def coarse(lines: Polylines, view: View) -> Polylines:
     stride = coarseness(lines, view)
     if stride == 1:
         return lines
-    world = lines.world.reshape(-1, lines.per, 3)[:, ::stride]
-    lost = None if lines.lost is None else lines.lost.reshape(-1, lines.per)[:, ::stride].reshape(-1)
+    world = np.ascontiguousarray(lines.world.reshape(-1, lines.per, 3)[:, ::stride])
+    lost = (
+        None if lines.lost is None else np.ascontiguousarray(lines.lost.reshape(-1, lines.per)[:, ::stride]).reshape(-1)
+    )
     first = np.arange(len(lines.first), dtype=np.int64) * world.shape[1]
     return replace(lines, first=first, world=world.reshape(-1, 3), lost=lost, per=0)
 
