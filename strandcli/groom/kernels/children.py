@@ -89,6 +89,7 @@ def grow(guides, own, following, clumps, waves, solids, out, lengths):
                 lay_path(guides, following, i, paths, lane * size)
                 pull_path(clumps, i, paths, lane * size)
             write_strands(waves, solids, count_solids(solids) > 0, paths, size, scratch, out, b, k)
+        work[0] = ZERO  # an array that is not named any more is freed, and `paths` does not name it
 
 
 @device
