@@ -183,7 +183,7 @@ class ShadowMaps:
     def _fill(self, number: int, lines: Polylines, workers: int, scratch: Scratch) -> None:
         """Draw into a min/max map."""
         view, size = self.views[number], int(self.sizes[number])
-        lines = coarse(lines, view)
+        lines = coarse(lines, view, scratch)
         screen = to_screen(lines, view, scratch, "light_screen")
         bands = bands_of(lines.first, screen, None, (size, size), workers, scratch)
         seen = view_numbers(view)

@@ -70,7 +70,7 @@ def parts_in_map(
 
     ``over``: 1 / h of `kernels.opacity`, 1/m; chances (strands,): from `chances_of`, to leave out most strands deep in
     shadow, None: none are; ``extents``: of the map's cells, to be widened."""
-    lines = coarse(lines, view)
+    lines = coarse(lines, view, scratch)
     screen, seen = to_screen(lines, view, scratch, "light_screen"), view_numbers(view)
     taper, along = lines.tapered(thickness.taper)
     strands = StrandsInMap(lines.first, screen, np.float32(thickness.width), taper, lines.scale, along)
@@ -138,15 +138,16 @@ def view_numbers(view: View) -> MapView:
     return MapView(far, np.float32(view.near), np.float32(view.focal))
 
 
-def coarse(lines: Polylines, view: View) -> Polylines:
-    """Return polylines without the vertices that a map does not need (see `coarseness`)."""
+def coarse(lines: Polylines, view: View, scratch: Scratch) -> Polylines:
+    """Return polylines without the vertices that a map does not need (see `coarseness`), valid until the next."""
     stride = coarseness(lines, view)
     if stride == 1:
         return lines
-    world = np.ascontiguousarray(lines.world.reshape(-1, lines.per, 3)[:, ::stride])
-    lost = (
-        None if lines.lost is None else np.ascontiguousarray(lines.lost.reshape(-1, lines.per)[:, ::stride]).reshape(-1)
-    )
+    some = lines.world.reshape(-1, lines.per, 3)[:, ::stride]
+    world, lost = scratch.borrow("map_coarse_world", some.shape, np.float32), None
+    world[...] = some
+    if lines.lost is not None:
+        lost = np.ascontiguousarray(lines.lost.reshape(-1, lines.per)[:, ::stride]).reshape(-1)
     first = np.arange(len(lines.first), dtype=np.int64) * world.shape[1]
     return replace(lines, first=first, world=world.reshape(-1, 3), lost=lost, per=0)
 

@@ -11,6 +11,7 @@ from ..common.kernels.view_columns import FLAT, DepthSlope
 from ..common.scratch import Scratch
 from ..geometry.curves import Polylines
 from ..geometry.extent import extents_on_screen
+from ..geometry.kernels import ribbon
 from ..geometry.kernels.ribbon import ScreenLines
 from ..view.camera import View
 from ..view.kernels import project
@@ -33,8 +34,11 @@ def bands_of(
 ) -> kernel.Bands:  # fmt: skip
     """Return the bands that workers share in a picture of a size (width, height); widths: as in `ScreenLines`."""
     width, height = size
-    extents = extents_on_screen(first, screen, widths, width, scratch)
-    return kernel.Bands(extents, height if workers == 1 else ROWS, workers)
+    if workers == 1:  # one band has all strands, and to measure them takes as long as a fifth of drawing them
+        extents = scratch.borrow("extents", (len(first) - 1, ribbon.COLUMNS), np.float32)
+        extents[:, ribbon.LEAST_Y], extents[:, ribbon.GREATEST_Y] = -np.inf, np.inf
+        return kernel.Bands(extents, height, workers)
+    return kernel.Bands(extents_on_screen(first, screen, widths, width, scratch), ROWS, workers)
 
 
 def draw(
