@@ -61,8 +61,7 @@ def command(
     checked, joined and reported. A copy of the preset with all its settings goes with the jobs, so that later changes
     to yours do not mix into the film. The jobs may be submitted again: finished work is not repeated.
     """
-    from ..farm import job as jobs
-    from ..farm import scripts
+    from .. import farm as jobs
     from ..output.files import prepare_folder, write_pieces
     from ..plan import make_plan
 
@@ -81,7 +80,7 @@ def command(
         options.preset_name(preset), jobs.spelled(numbers), chunks, _simulated(scene, numbers) if plan.steps else "",
         threads, jobs.asked_memory(plan.memory_at_once_bytes), ",".join(animate or ()), extra,
     )  # fmt: skip
-    files = scripts.files(job, target, cores())
+    files = jobs.files(job, target, cores())
     prepare_folder(folder, 0)
     write_pieces(folder / jobs.SCENE, [_alone(scene).encode("utf-8", "surrogateescape")])
     for name, text in files.items():
@@ -94,7 +93,7 @@ def command(
 
 def _simulated(scene: Scene, numbers: tuple[int, ...]) -> str:
     """The frames to simulate beforehand, as -f takes them; "" of panels, where each task does it."""
-    from ..farm.job import spelled
+    from ..farm import spelled
 
     if scene.panels:
         return ""

@@ -16,10 +16,9 @@ from hypothesis import example, given
 from hypothesis import strategies as st
 
 from cli_runs import TINY, Runner, environment
+from strandcli import farm as jobs
 from strandcli.cli.values import FrameRange
 from strandcli.common.limits import cores as usable_cores
-from strandcli.farm import job as jobs
-from strandcli.farm import scripts
 from strandcli.output import png
 
 SBATCH = """\
@@ -137,8 +136,8 @@ def test_templates_are_valid(run: Runner) -> None:
     model = pytest.importorskip("openjd.model")
     for name, chunks in (("hair", ("1-8",)), ("{{odd}}\n" * 50, tuple(str(i) for i in range(1, 1001)))):
         job = jobs.Job(name, "1-8", chunks, "1-8", 4, 900, "gif")
-        model.decode_job_template(template=scripts.template(job))
-        model.decode_job_template(template=scripts.template(jobs.Job(name, "1", chunks, "", 1, 300)))
+        model.decode_job_template(template=jobs.template(job))
+        model.decode_job_template(template=jobs.template(jobs.Job(name, "1", chunks, "", 1, 300)))
 
 
 def test_a_scene_without_motion_is_not_simulated(run: Runner) -> None:
@@ -157,7 +156,7 @@ def test_a_scene_without_motion_is_not_simulated(run: Runner) -> None:
 def test_no_name_gets_out_of_its_comment_or_its_quotes(name: str) -> None:
     job = jobs.Job(f"$(touch x)`touch x`'\"\n{name}", "1", ("1",), "1", 1, 300, "", ())
     for target in ("slurm", "parallel"):
-        for file, text in scripts.files(job, target, 4).items():
+        for file, text in jobs.files(job, target, 4).items():
             if file.endswith(".sh"):
                 code = [line for line in text.splitlines() if not line.lstrip().startswith("#")]
                 assert "touch x)" not in "\n".join(code)
