@@ -6,8 +6,8 @@ from typing import Any
 
 import pytest
 
+from strandcli import doctor
 from strandcli.compiling import folder
-from strandcli.doctor import software
 from strandcli.jit import function
 from strandcli.jit.dispatcher import KernelDispatcher
 
@@ -47,6 +47,6 @@ def called(kernel: Any = plus_one) -> bool:
 def begin(monkeypatch: pytest.MonkeyPatch) -> folder.Folder:
     """Choose the folder anew, as another process would."""
     new = folder.Folder()
-    for module in (folder, software):
+    for module in (folder, doctor):
         monkeypatch.setattr(module, "cache", new)
     return new

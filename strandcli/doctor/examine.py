@@ -1,4 +1,4 @@
-"""All that is looked at, in the order in which it is told; last a small picture, drawn by a process of its own."""
+"""All that is looked at, in order; last a small picture, drawn by a process of its own."""
 
 from __future__ import annotations
 
@@ -14,7 +14,8 @@ from collections.abc import Callable, Iterator
 from pathlib import Path
 from typing import Any
 
-from . import BROKEN, NOTE, OK, Finding, machine, software
+from .. import doctor
+from . import BROKEN, NOTE, OK, Finding
 
 GOLDEN = Path(__file__).parent / "golden"
 """The picture, its hashes by class of machine, and how it is drawn: `strandcli golden update` makes it anew."""
@@ -61,10 +62,10 @@ def told(code: int, out: str, err: str) -> Finding:
 
 
 CHECKS: dict[str, Callable[[], Iterator[Finding]]] = {
-    "versions": software.versions, "numba": software.numba_settings, "threading": software.threading_layers,
-    "processor": machine.processor, "threads": machine.threads, "memory": machine.memory, "disk": machine.disk,
-    "cache": software.kept, "presets": software.presets,
-    "bytecode": software.bytecode, "extras": software.optional, "self-test": picture,
+    "versions": doctor.versions, "numba": doctor.numba_settings, "threading": doctor.threading_layers,
+    "processor": doctor.processor, "threads": doctor.threads, "memory": doctor.memory, "disk": doctor.disk,
+    "cache": doctor.kernels, "presets": doctor.presets, "bytecode": doctor.bytecode, "extras": doctor.optional,
+    "self-test": picture,
 }  # fmt: skip
 
 

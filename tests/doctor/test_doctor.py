@@ -12,9 +12,10 @@ import pytest
 from PIL import Image
 
 from cli_runs import Runner
+from strandcli import doctor
 from strandcli.common import limits
 from strandcli.compiling.folder import cache
-from strandcli.doctor import BROKEN, NOTE, OK, Finding, examine, machine, software
+from strandcli.doctor import BROKEN, NOTE, OK, Finding, examine
 
 
 def test_all_is_well_here(run: Runner) -> None:
@@ -104,11 +105,11 @@ def test_limits_of_the_first_version_of_control_groups(tmp_path: Path) -> None:
 
 def test_fewer_cores_than_threads_are_told(monkeypatch: pytest.MonkeyPatch) -> None:
     monkeypatch.setattr(limits, "quota", lambda: 1.0)
-    monkeypatch.setattr("strandcli.compiling.runtime.checked_threads", lambda threads: 4)
-    (found,) = machine.threads()
+    monkeypatch.setattr(doctor, "checked_threads", lambda threads: 4)
+    (found,) = doctor.threads()
     assert (found.state, "--threads 1" in found.advice) == (NOTE, True)
     monkeypatch.setattr(limits, "quota", lambda: 4.0)
-    (found,) = machine.threads()
+    (found,) = doctor.threads()
     assert found.state == OK
 
 
@@ -117,23 +118,23 @@ def test_the_kernels_folder_tells_damage(tmp_path: Path, monkeypatch: pytest.Mon
     monkeypatch.setattr(cache, "_path", tmp_path)
     monkeypatch.setattr(cache, "_trouble", None)
     good = tmp_path / f"a.b-{'0' * 24}.kernel"
-    good.write_bytes(software.FIRST_BYTES + bytes(2000))
+    good.write_bytes(doctor.FIRST_BYTES + bytes(2000))
     (tmp_path / "another file").write_text("not strandcli's")
-    (found,) = software.kept()
+    (found,) = doctor.kernels()
     assert (found.state, "1 kernel or module," in found.text) == (OK, True)
-    for content in (b"", software.FIRST_BYTES, bytes(3000)):
+    for content in (b"", doctor.FIRST_BYTES, bytes(3000)):
         good.with_name(f"a.c-{'1' * 24}.kernel").write_bytes(content)
-        (found,) = software.kept()
+        (found,) = doctor.kernels()
         assert (found.state, "1 not used" in found.text) == (NOTE, True)
     monkeypatch.setattr(cache, "_trouble", "kernels cannot be kept")
-    (found,) = software.kept()
+    (found,) = doctor.kernels()
     assert found == Finding("cache", NOTE, "kernels cannot be kept")
 
 
 def test_versions_that_are_too_old_are_told(monkeypatch: pytest.MonkeyPatch) -> None:
-    assert software.numbers("2.0.1rc3") == (2, 0)
-    monkeypatch.setattr(software, "LEAST", {"numba": (999, 0), "no-such-package": (1, 0)})
-    (found,) = software.versions()
+    assert doctor.numbers("2.0.1rc3") == (2, 0)
+    monkeypatch.setattr(doctor, "LEAST", {"numba": (999, 0), "no-such-package": (1, 0)})
+    (found,) = doctor.versions()
     assert found.state == BROKEN
     assert "too old: numba" in found.text
     assert "missing: no-such-package" in found.text
@@ -145,12 +146,12 @@ def test_bytecode_that_nobody_keeps_is_told(tmp_path: Path, monkeypatch: pytest.
         path.parent.mkdir(exist_ok=True)
         path.touch()
         there = tmp_path / f"kept-{kept}"
-        monkeypatch.setattr(software.importlib.util, "find_spec", lambda name: SimpleNamespace(origin=str(path)))
-        monkeypatch.setattr(software.importlib.util, "cache_from_source", lambda origin: str(there))
-        monkeypatch.setattr(software.sys, "dont_write_bytecode", told_not_to)
+        monkeypatch.setattr(doctor.importlib.util, "find_spec", lambda name: SimpleNamespace(origin=str(path)))
+        monkeypatch.setattr(doctor.importlib.util, "cache_from_source", lambda origin: str(there))
+        monkeypatch.setattr(doctor.sys, "dont_write_bytecode", told_not_to)
         if kept:
             there.touch()
-        (one,) = software.bytecode()
+        (one,) = doctor.bytecode()
         return one
 
     assert [found(kept, told).state for kept in (True, False) for told in (True, False)] == [OK, OK, NOTE, OK]

@@ -16,9 +16,9 @@ import pytest
 from numba import config
 
 from kernel_kit import begin, called
+from strandcli import doctor
 from strandcli.compiling import folder, processor, stores
 from strandcli.compiling.service import service
-from strandcli.doctor import software
 from strandcli.errors import UsageError
 from strandcli.jit import cache
 from strandcli.jit.kept import kept
@@ -79,7 +79,7 @@ def test_a_pack_is_run_and_nothing_is_compiled_or_written(home: Home, pack: Path
     assert called()
     assert told == []
     assert not list(folder.cache.path.glob("*.kernel"))
-    assert [one.text for one in software.kept()][1].startswith(f"{pack}: pack of 1 kernel, ")
+    assert [one.text for one in doctor.kernels()][1].startswith(f"{pack}: pack of 1 kernel, ")
     (entry,) = (name for name in parts(pack.read_bytes()) if name != stores.MANIFEST)
     assert entry.startswith("kernel_kit.plus_one-")
 

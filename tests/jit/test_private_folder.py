@@ -18,10 +18,11 @@ import pytest
 
 from kernel_kit import begin, called, plus_three, plus_two
 from strand_kit import scene_of
+from strandcli import doctor
 from strandcli.compiling import folder, stores, worker, written
 from strandcli.compiling.clock import clock
 from strandcli.compiling.service import service
-from strandcli.doctor import NOTE, software
+from strandcli.doctor import NOTE
 from strandcli.jit.kept import kept
 from strandcli.run import pipeline
 
@@ -71,7 +72,7 @@ def test_kernels_in_a_folder_that_others_may_change_are_not_run(
     )
     assert mode(new.path) == 0o700  # a temporary one
     assert {path.name for path in inner.iterdir()} == before
-    (found,) = software.kept()
+    (found,) = doctor.kernels()
     assert (found.state, found.text) == (NOTE, new.trouble)
     inner.chmod(0o755)  # that others may read does no harm
     assert begin(monkeypatch).path == inner
@@ -186,7 +187,7 @@ def test_a_folder_that_cannot_be_written_is_read(owner: str, place: Path, monkey
         assert called()
         kept("table", ("strandcli.constants",), [1], like, lambda: pytest.fail("made again"))
         assert ([one.path for one in new.read_only], told) == ([inner], [])
-        (found,) = software.kept()
+        (found,) = doctor.kernels()
         assert "1 kernel or module" not in found.text
         assert "they are read, and cannot be written" in found.text
         assert not called(plus_two)
@@ -209,11 +210,11 @@ def test_what_others_may_change_in_a_folder_that_cannot_be_written_is_not_run(
         (entry,) = inner.glob("*.kernel")
         assert [one.path for one in begin(monkeypatch).read_only] == [inner]
         assert called()
-        assert "not used" not in next(software.kept()).text
+        assert "not used" not in next(doctor.kernels()).text
         as_owner(entry, 0o646)
         begin(monkeypatch)
         assert not called()
-        assert f"1 not used, such as {entry.name}: damaged, or writable for others" in next(software.kept()).text
+        assert f"1 not used, such as {entry.name}: damaged, or writable for others" in next(doctor.kernels()).text
         as_owner(entry, 0o444)
         as_owner(inner, 0o757)
         assert "other users may change it" in str(begin(monkeypatch).trouble)

@@ -11,8 +11,9 @@ import pytest
 from numba.np.ufunc import parallel
 
 from cli_runs import TINY, Runner, environment
+from strandcli import doctor
 from strandcli.compiling import runtime
-from strandcli.doctor import BROKEN, software
+from strandcli.doctor import BROKEN
 from strandcli.draw.zbuffer.kernels import lines, raster
 from strandcli.errors import UsageError
 
@@ -76,7 +77,7 @@ def test_too_few_addresses_for_the_libraries_are_refused(
     assert not (tmp_path / "out").exists()
     assert run("presets").code == 0
     assert run("render", "--help").code == 0
-    (found,) = software.numba_settings()
+    (found,) = doctor.numba_settings()
     assert (found.state, found.advice) == (BROKEN, "ulimit -v unlimited")
     monkeypatch.setattr(resource, "getrlimit", lambda _: (900_000_000, resource.RLIM_INFINITY))
     runtime.require_addresses()
