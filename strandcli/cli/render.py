@@ -153,7 +153,8 @@ def _run(
 ) -> dict[str, Any]:
     """Draw what is wanted, and write the report however that ends."""
     from ..compiling import runtime
-    from ..run import checkpoints, compile_ahead
+    from ..compiling.service import service
+    from ..run import checkpoints
 
     warn = warner(progress, quiet, report.warn)
     _warn_of_others(writer, warn)
@@ -164,10 +165,10 @@ def _run(
     started = False
     try:
         with writer:
-            kept = checkpoints.of_run(writer.directory, motion.checkpoint, warn)
+            kept = checkpoints.of_run(writer.directory, motion.checkpoint, warn, progress.note)
             if writer.wanted:
                 if not scene.panels:  # before Numba is imported here, which takes half a second
-                    compile_ahead.begin(scene, threads)
+                    service.ahead(scene, threads)
                 runtime.start(threads, progress.note)
                 started = True
                 for frame in frames_of(scene, writer.wanted, motion, threads, kept, progress, warn):

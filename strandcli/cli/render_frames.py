@@ -49,12 +49,11 @@ def frames_of(
             keep_going=motion.keep_going, checkpoints=kept,
         )  # fmt: skip
     from ..run import pipeline
-    from ..run.checkpoints import FirstFrame
 
     return pipeline.render(
         scene, numbers, threads=threads, positions=motion.positions, keep_going=motion.keep_going,
         notify=progress.note, warn=warn,
-        checkpoints=FirstFrame(kept, progress.note),
+        checkpoints=kept,
     )  # fmt: skip
 
 

@@ -69,7 +69,6 @@ def command(
 
                 runtime.start(threads, progress.note)
                 from ..run import checkpoints, pipeline
-                from ..run.checkpoints import FirstFrame
 
                 warn = warner(progress, talk.quiet)
                 for frame in pipeline.render(
@@ -81,7 +80,7 @@ def command(
                     keep_going=keep_going,
                     notify=progress.note,
                     warn=warn,
-                    checkpoints=FirstFrame(checkpoints.of_run(output, checkpoint, warn), progress.note),
+                    checkpoints=checkpoints.of_run(output, checkpoint, warn, progress.note),
                 ):
                     if frame.positions is not None:  # they are, where they are asked for
                         writer.write(frame.number, frame.positions, frame.report["error"])

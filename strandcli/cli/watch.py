@@ -127,18 +127,18 @@ def _drawn(scene: Scene, frame: int, given: Mapping[str, Any], states: Path) -> 
     from ..compiling import runtime
     from ..plan import checked_plan
     from ..run import pipeline
-    from ..run.checkpoints import Checkpoints, FirstFrame
+    from ..run.checkpoints import Checkpoints
 
     if frame > scene.time.frames:
         raise UsageError(f"-f/--frames asks for frame {frame}, but the animation has {scene.time.frames}")
     checked_plan(scene, [frame])
     every = max(1, frame - 1) if scene.camera.shutter > 0 else frame  # what moves is drawn between two frames
-    before, kept = runtime.compile_seconds(), Checkpoints(states, every)
+    before = runtime.compile_seconds()
     with Progress(1, options.preset_name(given["preset"]), hidden=quiet or given["no_progress"]) as progress:
         (found,) = pipeline.render(
             scene, [frame], threads=given["threads"], notify=progress.note, keep_going=given["keep_going"],
             warn=lambda text: None if quiet else progress.line(f"warning: {text}"),
-            checkpoints=FirstFrame(kept, progress.note),
+            checkpoints=Checkpoints(states, every, notify=progress.note),
         )  # fmt: skip
     return found.image, runtime.compile_seconds() - before
 

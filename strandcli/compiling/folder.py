@@ -13,14 +13,16 @@ import atexit
 import contextlib
 import errno
 import hashlib
+import importlib.util
 import os
 import re
 import shutil
+import sys
 import tempfile
 import time
 from collections.abc import Callable, Iterable, Sequence
 from pathlib import Path
-from typing import BinaryIO
+from typing import Any, BinaryIO
 
 from .. import __version__
 from .stores import DAY, SHIPPED, FolderStore, Pack, PackError, Store, T, writers
@@ -198,6 +200,26 @@ class Folder:
 def text_hash(text: bytes) -> str:
     """The end of the name of a module that strandcli writes there: 16 hexadecimal digits of its text's hash."""
     return hashlib.sha256(text).hexdigest()[:16]
+
+
+def module_of(text: str, prefix: str, folder: Path) -> Any:
+    """A module with this text, which strandcli writes for a scene, named by the prefix and the text's hash; its file is
+    made in ``folder`` unless it is there."""
+    name = f"{prefix}_{text_hash(text.encode())}"
+    path = folder / f"{name}.py"
+    try:
+        known = path.is_file() and path.read_bytes() == text.encode()  # bytes: a damaged file need not be text
+    except OSError:
+        known = False
+    known = known or cache.write(path, text.encode())
+    spec = importlib.util.spec_from_file_location(name, path)
+    assert spec is not None
+    module: Any = importlib.util.module_from_spec(spec)
+    if not known:
+        module.__strandcli_text__ = text.encode()  # the key of its kernels follows from it
+    sys.modules[name] = module  # a cached kernel imports its module by name when it is loaded
+    exec(compile(text, path, "exec"), module.__dict__)  # not by the loader, whom damaged bytecode beside it would stop
+    return module
 
 
 def _read_only(path: Path) -> Store:

@@ -16,12 +16,16 @@ import pickle
 import subprocess
 import sys
 import threading
-from collections.abc import Sequence
 from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
 from ..common import limits
 from . import folder
+
+try:
+    import fcntl
+except ImportError:  # no POSIX
+    fcntl = None  # type: ignore[assignment]
 
 if TYPE_CHECKING:
     from ..scene.model import Scene
@@ -32,6 +36,10 @@ PROGRAM = (
 )
 FAILURES = 3
 """After so many workers that end unasked or kernels that are lost, every kernel is compiled in place."""
+PARTS = ("light", "coverage")
+"""Of a frame, from its end: half of the first frame's wait is for kernels that it needs last."""
+LOCKS = "claims"
+"""The file whose bytes are locked."""
 ALONE = (
     "the processes that compile kernels end before they are done, perhaps for want of memory: kernels are compiled one "
     "by one, which takes about twice as long"
@@ -91,7 +99,7 @@ class Service:
         self._ahead: list[Worker] = []
         self._failures = 0
         self._process = 0
-        self._pending: tuple[Any, Sequence[str], int] | None = None
+        self._pending: tuple[Any, int] | None = None
 
     def compile(self, function: Any, sig: Any, entry: str) -> bool:
         """Have a kernel compiled into the cache; False where this process has to do it."""
@@ -122,13 +130,13 @@ class Service:
             self._fail()
         return bool(told == "done")
 
-    def ahead(self, scene: Scene, parts: Sequence[str], most: int) -> None:
-        """Have the kernels of a scene's parts compiled by the workers but the first, of which there are ``most``, from
-        the first kernel on that is not in the cache."""
+    def ahead(self, scene: Scene, threads: int | None) -> None:
+        """Have the kernels of a scene's frame compiled from its end by the workers but the first, from the first kernel
+        on that is not in the cache; ``threads``: processes that may be busy at once, None for one a core."""
         with self._lock:
-            self._pending = scene, parts, most
+            self._pending = scene, limits.cores() if threads is None else threads
 
-    def _begin_ahead(self, scene: Scene, parts: Sequence[str], most: int) -> None:
+    def _begin_ahead(self, scene: Scene, most: int) -> None:
         self._pending = None
         others = min(most_workers(), most) - 1
         if not self._usable() or others < 1 or self._ahead:
@@ -136,10 +144,10 @@ class Service:
         try:
             data = pickle.dumps(scene)
             self._worker_on_demand(preload=True)
-            for number in range(min(others, len(parts))):
+            for number in range(min(others, len(PARTS))):
                 worker = Worker(preload=True)
                 self._ahead.append(worker)
-                worker.send("ahead", data, list(parts[number::others]))
+                worker.send("ahead", data, PARTS[number::others])
         except Exception:  # a scene with rules of this process alone
             self.stop_ahead()
 
@@ -197,3 +205,50 @@ def most_workers() -> int:
 
 
 service = Service()
+
+
+class Claims:
+    """Entries of the cache that this process compiles, for which others wait: locks on bytes of a file of its folder.
+
+    The system takes them back when their owner ends, however it ends. Where it has none (some network folders) work is
+    done twice.
+    """
+
+    def __init__(self) -> None:
+        self._file: tuple[Path, int] | None = None
+        self._held: list[int] = []
+
+    def take(self, folder: Path, key: bytes) -> None:
+        """Wait until no other process compiles this entry, and claim it.
+
+        Two processes that would wait for each other do not: the system refuses the second, which goes on unclaimed.
+        """
+        place = int.from_bytes(key[:7], "big")
+        if fcntl is None or place in self._held:
+            return
+        with contextlib.suppress(OSError):
+            fcntl.lockf(self._open(folder), fcntl.LOCK_EX, 1, place)
+            self._held.append(place)
+
+    def count(self) -> int:
+        """How many this process has."""
+        return len(self._held)
+
+    def release(self, count: int) -> None:
+        """Give back all but the first ``count``."""
+        while len(self._held) > count:
+            place = self._held.pop()
+            if fcntl is not None and self._file is not None:
+                with contextlib.suppress(OSError):
+                    fcntl.lockf(self._file[1], fcntl.LOCK_UN, 1, place)
+
+    def _open(self, folder: Path) -> int:
+        if self._file is None or self._file[0] != folder:
+            if self._file is not None:
+                os.close(self._file[1])
+            handle = os.open(folder / LOCKS, os.O_RDWR | os.O_CREAT | getattr(os, "O_CLOEXEC", 0), 0o600)
+            self._file = folder, handle
+        return self._file[1]
+
+
+claims = Claims()

@@ -2,6 +2,8 @@
 
 from __future__ import annotations
 
+import contextlib
+import dataclasses
 import importlib
 import importlib.abc
 import importlib.machinery
@@ -12,6 +14,7 @@ import pickle
 import queue
 import sys
 import threading
+from collections.abc import Sequence
 from pathlib import Path
 from typing import Any, BinaryIO
 
@@ -102,11 +105,15 @@ class WrittenModules(importlib.abc.MetaPathFinder, importlib.abc.Loader):
         exec(compile(text, module.__file__, "exec"), module.__dict__)
 
 
-def _ahead(data: bytes, parts: list[str]) -> None:
-    """Compile the kernels of a scene's parts."""
-    from ..run.compile_ahead import compile_parts
+def _ahead(data: bytes, parts: Sequence[str]) -> None:
+    """Compile the kernels of a scene's parts. Whatever goes wrong costs time, nothing else."""
+    from ..draw.compile_parts import compile_part
+    from ..draw.renderer import Renderer
+    from ..groom.emit import emit
 
-    try:
-        compile_parts(pickle.loads(data), parts)
-    except Exception:  # it costs time, nothing else
-        return
+    with contextlib.suppress(Exception):
+        scene = pickle.loads(data)
+        small = dataclasses.replace(scene, image=dataclasses.replace(scene.image, size=(8, 8)))
+        renderer = Renderer(small, emit(scene.emitter, scene.seed, 1))
+        for part in parts:
+            compile_part(renderer, part)

@@ -103,11 +103,11 @@ def make(order: Order, threads: int | None, talk: Talk) -> dict[str, Any]:
 def _drawn(order: Order, wanted: Sequence[int], made: str, threads: int | None, talk: Talk) -> dict[str, Any]:
     """Draw views and finish the set."""
     from ..compiling import runtime
-    from ..run import compile_ahead
+    from ..compiling.service import service
     from .studio import Studio
 
     runtime.start(threads, talk.notify)
-    compile_ahead.begin(order.scene, threads)
+    service.ahead(order.scene, threads)
     try:
         studio = Studio(order.scene, order.frame, talk.notify, talk.warn)
         try:
@@ -118,7 +118,7 @@ def _drawn(order: Order, wanted: Sequence[int], made: str, threads: int | None, 
                 _write_index(order, studio, entries)
             data = write_manifest(order.folder, _facts(order), entries)
     finally:
-        compile_ahead.end()
+        service.stop_ahead()
     return data
 
 

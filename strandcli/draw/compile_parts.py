@@ -1,4 +1,4 @@
-"""Parts of an empty frame, drawn to compile their kernels (see `strandcli.run.compile_ahead`)."""
+"""Parts of an empty frame, drawn to compile their kernels (see `strandcli.compiling.service`)."""
 
 from __future__ import annotations
 

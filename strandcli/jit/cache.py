@@ -31,11 +31,10 @@ from numba.core.runtime import rtsys
 from numba.core.serialize import dumps
 
 from ..compiling import folder
-from ..compiling.claims import claims
 from ..compiling.clock import clock
 from ..compiling.interrupts import interrupts
 from ..compiling.processor import lacking
-from ..compiling.service import service
+from ..compiling.service import claims, service
 from ..compiling.stores import Store
 from . import sources
 

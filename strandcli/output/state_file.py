@@ -1,9 +1,9 @@
 """Files of arrays. `write_array` writes one that NumPy reads, with a fingerprint as the comment; `write_state`
-a file of named arrays, checked by a hash, for a reader that knows their types and shapes: nothing that it says is
-believed, no memory is taken on its word, nothing is unpickled.
+a file of named arrays, checked by a hash, for a reader that knows their types and shapes: nothing is unpickled.
 
 ``strandcli state 1``, a line of JSON (who wrote it, and name, type and shape of each array), the arrays' bytes one
-after the other, little-endian, and 32 bytes of SHA-256 of all that.
+after the other, little-endian, and 32 bytes of SHA-256 of all that. Line and arrays are filled up to multiples of 64
+bytes.
 """
 
 from __future__ import annotations
@@ -13,8 +13,7 @@ import json
 import os
 import stat
 import zipfile
-from collections.abc import Iterable, Iterator, Mapping
-from itertools import chain
+from collections.abc import Iterator, Mapping
 from pathlib import Path
 from typing import Any, BinaryIO
 
@@ -31,6 +30,8 @@ LONGEST_HEAD = 1 << 16
 FREE = "free "
 """Begin of the names of arrays along one axis whose length the file tells."""
 DIGEST = hashlib.sha256().digest_size
+UNIT = 64
+"""Bytes of which arrays begin at multiples."""
 
 Arrays = Mapping[str, NDArray[Any]]
 
@@ -52,11 +53,19 @@ def write_state(path: Path, key: str, arrays: Arrays) -> None:
 def state_pieces(key: str, arrays: Arrays) -> Iterator[bytes | memoryview]:
     """Yield the content of such a file, an array at a time; of those that are contiguous nothing is copied."""
     whole = hashlib.sha256()
-    pieces: Iterable[bytes | memoryview] = chain((MAGIC, _head(key, arrays)), map(_bytes, arrays.values()))
+    kinds = [[name, _type(one), list(one.shape)] for name, one in arrays.items()]
+    head = json.dumps({"key": key, "arrays": kinds}).encode()
+    yield from _noted(whole, MAGIC + head + b" " * (-(len(MAGIC) + len(head) + 1) % UNIT) + b"\n")
+    for one in arrays.values():
+        flat: Any = np.ascontiguousarray(one).reshape(-1)
+        yield from _noted(whole, memoryview(flat).cast("B"), bytes(-one.nbytes % UNIT))
+    yield whole.digest()
+
+
+def _noted(whole: Any, *pieces: bytes | memoryview) -> Iterator[bytes | memoryview]:
     for piece in pieces:
         whole.update(piece)
         yield piece
-    yield whole.digest()
 
 
 def read_state(path: Path, key: str, arrays: Arrays) -> dict[str, NDArray[Any]]:
@@ -72,67 +81,40 @@ def read_state(path: Path, key: str, arrays: Arrays) -> dict[str, NDArray[Any]]:
 
 
 def state_of(file: BinaryIO, key: str, arrays: Arrays) -> dict[str, NDArray[Any]]:
-    """Return the arrays of an opened file, as `read_state`."""
-    size = os.fstat(file.fileno()).st_size
-    magic = file.read(len(MAGIC))
-    line = file.readline(LONGEST_HEAD)
-    if magic != MAGIC or not line.endswith(b"\n"):
+    """Return the arrays of an opened file, as `read_state`: parts of one piece of memory, as large as the file."""
+    whole: Any = np.empty(os.fstat(file.fileno()).st_size, np.uint8)
+    content = whole[:-DIGEST]
+    if file.readinto(whole) != whole.nbytes or whole[: len(MAGIC)].tobytes() != MAGIC:  # type: ignore[attr-defined]
         raise DamagedError("it does not begin as one")
-    arrays = _sized(arrays, line, size)
-    head = _head(key, arrays)
-    if line != head:
-        raise ForeignError if _is_head(line) else DamagedError("its head is damaged")
-    if size != len(MAGIC) + len(head) + sum(one.nbytes for one in arrays.values()) + DIGEST:
-        raise DamagedError("it is not as long as it was written")
-    whole = hashlib.sha256(magic + head)
-    read: dict[str, NDArray[Any]] = {}
-    for name, one in arrays.items():
-        read[name] = np.empty(one.shape, one.dtype)
-        if file.readinto(_bytes(read[name])) != one.nbytes:  # type: ignore[attr-defined]
-            raise DamagedError("it ends too soon")
-        whole.update(_bytes(read[name]))
-    if file.read(DIGEST + 1) != whole.digest():
+    if hashlib.sha256(content).digest() != whole[-DIGEST:].tobytes():
         raise DamagedError("its content is not what was written")
+    line = content[len(MAGIC) : LONGEST_HEAD].tobytes().partition(b"\n")[0]
+    place, read = len(MAGIC) + len(line) + 1, {}
+    try:
+        head = json.loads(line)
+        shapes = {name: shape for name, _, shape in head["arrays"]}
+        if head["key"] != key or not _fits(head["arrays"], arrays):
+            raise ForeignError
+        for name, one in arrays.items():
+            size = one.itemsize * int(np.prod(shapes[name], dtype=np.int64))
+            read[name] = content[place : place + size].view(one.dtype).reshape(shapes[name])
+            place += size + -size % UNIT
+    except (ValueError, TypeError, KeyError, RecursionError):
+        raise DamagedError("its head is damaged") from None
     return read
 
 
-def _bytes(array: NDArray[Any]) -> memoryview:
-    flat: Any = np.ascontiguousarray(array).reshape(-1)
-    return memoryview(flat).cast("B")
+def _fits(found: list[Any], arrays: Arrays) -> bool:
+    """Whether names, types and shapes are those of ``arrays``, but for the lengths of those that are `FREE`."""
+    wanted = [[name, _type(one), list(one.shape)] for name, one in arrays.items()]
+    return [one[:2] for one in found] == [one[:2] for one in wanted] and all(
+        shape == asked or (name.startswith(FREE) and len(shape) == 1 and shape[0] >= 0)
+        for (name, _, shape), (*_, asked) in zip(found, wanted, strict=True)
+    )
 
 
-def _head(key: str, arrays: Arrays) -> bytes:
-    kinds = [[name, one.dtype.newbyteorder("<").str, list(one.shape)] for name, one in arrays.items()]
-    return json.dumps({"key": key, "arrays": kinds}, ensure_ascii=True).encode() + b"\n"
-
-
-def _sized(arrays: Arrays, line: bytes, most: int) -> Arrays:
-    """Return ``arrays``, those that are `FREE` as long as a head tells, up to ``most`` bytes."""
-    try:
-        shapes = {name: shape for name, _, shape in json.loads(line)["arrays"]}
-    except (ValueError, RecursionError, TypeError, KeyError):
-        return arrays
-    out = dict(arrays)
-    for name, one in arrays.items():
-        shape = shapes.get(name) if name.startswith(FREE) else None
-        if not isinstance(shape, list) or len(shape) != 1 or type(shape[0]) is not int:
-            continue
-        if 0 <= shape[0] * one.itemsize <= most:
-            out[name] = np.empty(shape[0], one.dtype)
-    return out
-
-
-def _is_head(line: bytes) -> bool:
-    """Whether a line is that of some file of states; bits that fell over would hardly leave it so."""
-    try:
-        data = json.loads(line)
-    except (ValueError, RecursionError):
-        return False
-    return isinstance(data, dict) and data.keys() == {"key", "arrays"} and len(str(data["key"])) == KEY
-
-
-KEY = 64
-"""Hexadecimal digits of a key."""
+def _type(array: NDArray[Any]) -> str:
+    return array.dtype.newbyteorder("<").str
 
 
 MARK = b"strandcli of "

@@ -1,15 +1,12 @@
-"""Checkpoints: the whole state of a simulation every so many frames, from which a later run goes on to the very same
-bits.
+"""States of a simulation, from which a later run goes on to the very same bits: checkpoints every so many frames, and
+that of frame 1.
 
-They lie in the folder ``checkpoints`` of a run's results, ``frame_0024.state`` for a scene and ``panel_2_frame_0024``
-for one of its panels. What else must be the same is in a key: all of the scene that moves strands, the files that it
-names, the text of every module that simulates, and the versions and instructions that machine code follows from.
-
-The state of a simulation at frame 1, kept beside compiled kernels from one run to the next.
-
-What a preset lets pass before its first frame takes longer than to draw that frame, and is the same in every run that
-changes the picture alone: `hair` falls into place for twelve seconds. A later run begins where the first one had come
-to, with the very same bits; a state is of one key (see `key_of`), and nothing else is believed of it.
+Checkpoints lie in the folder ``checkpoints`` of a run's results, ``frame_0024.state`` for a scene and
+``panel_2_frame_0024`` for one of its panels. What a preset lets pass before frame 1 takes longer than to draw that
+frame, and is the same in every run that changes the picture alone (`hair` falls into place for twelve seconds): its
+state is cached beside compiled kernels. Each state is of one key, the hash of all of the scene that moves strands, the
+files that it names, the text of every module that simulates, and the versions and instructions that machine code
+follows from.
 """
 
 from __future__ import annotations
@@ -39,68 +36,76 @@ CODE = ("strandcli.run.stages", "strandcli.simulate.thesis.solver", "strandcli.s
 """Modules that simulate, with all that they import."""
 KIND = "first-frame"
 LEAST = 0.2
-"""Seconds that it takes to come to frame 1, below which its state is not kept."""
+"""Seconds that it takes to come to frame 1, below which its state is not cached."""
 
 
 class Checkpoints:
-    """The checkpoints of a run, in the folder of its results."""
-
-    of_all_strands = True
-    """A state holds all strands, for whichever frames are asked for later."""
+    """The states that a run goes on from, and those that it leaves."""
 
     def __init__(
-        self, results: Path, every: int = 0, warn: Callable[[str], None] | None = None, name: str = ""
-    ) -> None:
-        """``every``: frames from one checkpoint to the next; 0 reads those that are there and writes none but in
-        place of damaged ones. ``warn`` hears of damaged and foreign ones. ``name``: what names of files begin with."""
-        self.folder = results / FOLDER
+        self, results: Path | None, every: int = 0, warn: Notify | None = None, notify: Notify | None = None,
+        name: str = "",
+    ) -> None:  # fmt: skip
+        """``results``: the run's folder; None for the state of frame 1 alone. ``every``: frames from one checkpoint to
+        the next; 0 reads those that are there and writes none but in place of damaged ones. ``warn`` hears of damaged
+        and foreign ones, ``notify`` where frame 1 comes from. ``name``: what names of files begin with."""
+        self.folder = None if results is None else results / FOLDER
         self.every = every
-        self.warn = warn
+        self._warn = warn or (lambda words: None)
+        self._notify = notify or (lambda words: None)
         self._name = name
         self._key: str | None = None
         self._bad: set[int] = set()
         """Frames whose checkpoint is to be made again."""
-        self._told = False
-        self._prepared = False
+        self._warned = self._prepared = False
+        self._began: float | None = None
+        """When the simulation of frame 1 began, where its state is not known."""
+
+    @property
+    def of_all_strands(self) -> bool:
+        """Whether a state holds all strands, for whichever frames are asked for later."""
+        return self.folder is not None
 
     def of_panel(self, number: int) -> Checkpoints:
         """Return those of a panel of the scene, counted from 1."""
-        return Checkpoints(self.folder.parent, self.every, self.warn, f"panel_{number}_")
+        results = None if self.folder is None else self.folder.parent
+        return Checkpoints(results, self.every, self._warn, self._notify, f"panel_{number}_")
 
     def path(self, frame: int) -> Path:
         """Return the file of a frame's checkpoint."""
+        assert self.folder is not None
         return self.folder / f"{self._name}frame_{frame:04d}.state"
 
     def go_on(self, solver: Any, after: int, last: int) -> int:
-        """Bring a solver to the latest checkpoint of the frames ``after`` + 1 to ``last``; return its frame, or
-        ``after`` where there is none that fits."""
+        """Bring a solver to the latest state of the frames ``after`` + 1 to ``last``; return its frame, or ``after``
+        where there is none that fits."""
         for frame in sorted(self._frames(after, last), reverse=True):
             try:
-                state = read_state(self.path(frame), self.key(solver.scene), solver.state_arrays())
-                solver.check(state, frame)
-                solver.restore(state)
+                _restore(solver, read_state(self.path(frame), self.key(solver.scene), solver.state_arrays()), frame)
             except FileNotFoundError:
                 continue
             except ForeignError:
                 self._bad.add(frame)
-                self._tell_foreign()
+                self._warn_of_foreign()
             except (DamagedError, OSError, ValueError) as error:
                 self._bad.add(frame)
-                self._say(f"{self.path(frame)}: checkpoint is not used: {said(error)}; it will be made again")
+                self._warn(f"{self.path(frame)}: checkpoint is not used: {said(error)}; it will be made again")
             else:
                 return frame
-        return after
+        return 1 if after < 1 <= last and self._begin_at_first(solver) else after
 
     def keep(self, solver: Any, frame: int) -> None:
-        """Write a frame's checkpoint if it is to have one. Raises `RefusedError` where that cannot be."""
+        """Write a frame's checkpoint if it is to have one, and cache the state of frame 1 if it took long to come to.
+        Raises `RefusedError` where a checkpoint cannot be written."""
+        began, self._began = self._began, None
+        if frame == 1 and began is not None and time.perf_counter() - began >= LEAST:
+            kept.keep(KIND, self._first_key(solver), solver.state_arrays())
         due = self.every > 0 and frame % self.every == 0
-        if not due and frame not in self._bad:
-            return
-        arrays = solver.state_arrays()
+        arrays = solver.state_arrays() if self.folder is not None and (due or frame in self._bad) else {}
         if not arrays:
             return
         if not self._prepared:
-            prepare_folder(self.folder, sum(one.nbytes for one in arrays.values()))
+            prepare_folder(self.path(frame).parent, sum(one.nbytes for one in arrays.values()))
             self._prepared = True
         write_state(self.path(frame), self.key(solver.scene), arrays)
         self._bad.discard(frame)
@@ -111,81 +116,58 @@ class Checkpoints:
             self._key = key_of(scene)
         return self._key
 
+    def _begin_at_first(self, solver: Any) -> bool:
+        """Bring a solver to the cached state of frame 1, where there is one."""
+        if solver.scene.time.preroll <= 0:
+            return False
+        arrays = solver.state_arrays()
+        state = kept.find(KIND, self._first_key(solver), arrays) if arrays else None
+        try:
+            if state is not None:
+                _restore(solver, state, 1)
+        except ValueError:  # it is made again
+            state = None
+        if state is None:
+            self._began = time.perf_counter()
+        else:
+            self._notify("frame 1 as an earlier run left it")
+        return state is not None
+
+    def _first_key(self, solver: Any) -> str:
+        return kept.key_of(KIND, (__name__,), (self.key(solver.scene), solver.groom.strands))
+
     def _frames(self, after: int, last: int) -> Iterable[int]:
         pattern = re.compile(re.escape(self._name) + r"frame_(\d{4,9})\.state")
         try:
-            found = [pattern.fullmatch(path.name) for path in self.folder.iterdir()]
+            found = [] if self.folder is None else [pattern.fullmatch(path.name) for path in self.folder.iterdir()]
         except OSError:
             return []
         frames = {int(one[1]) for one in found if one is not None}
         return [one for one in frames if after < one <= last and one not in self._bad]
 
-    def _tell_foreign(self) -> None:
-        if not self._told:
-            self._say(
+    def _warn_of_foreign(self) -> None:
+        if not self._warned:
+            self._warn(
                 f"{self.folder}: holds checkpoints of another scene, version or machine; they are not used and will be "
                 "made again"
             )
-        self._told = True
-
-    def _say(self, words: str) -> None:
-        if self.warn is not None:
-            self.warn(words)
+        self._warned = True
 
 
-class FirstFrame:
-    """Stands for `Checkpoints`, and hands on to those of the run where there are any."""
-
-    def __init__(self, checkpoints: Checkpoints | None, notify: Notify | None) -> None:
-        """``notify`` hears where the state comes from."""
-        self._checkpoints = checkpoints
-        self._notify = notify
-        self._began: float | None = None
-        """When the simulation of frame 1 began, where its state is not known."""
-        self.of_all_strands = checkpoints is not None and checkpoints.of_all_strands
-
-    def of_panel(self, number: int) -> FirstFrame:
-        """Return that of a panel of the scene, counted from 1."""
-        return FirstFrame(self._checkpoints.of_panel(number) if self._checkpoints else None, self._notify)
-
-    def go_on(self, solver: Any, after: int, last: int) -> int:
-        """Bring a solver to the latest known state of the frames ``after`` + 1 to ``last``; return its frame, or
-        ``after`` where there is none."""
-        found = self._checkpoints.go_on(solver, after, last) if self._checkpoints is not None else after
-        if found > 0 or last < 1 or solver.scene.time.preroll <= 0:
-            return found
-        arrays = solver.state_arrays()
-        state = kept.find(KIND, _key(solver), arrays) if arrays else None
-        try:
-            if state is not None:
-                solver.check(state, 1)
-                solver.restore(state)
-        except ValueError:  # it is made again
-            state = None
-        if state is None:
-            self._began = time.perf_counter()
-            return found
-        if self._notify is not None:
-            self._notify("frame 1 as an earlier run left it")
-        return 1
-
-    def keep(self, solver: Any, frame: int) -> None:
-        """Keep the state of frame 1, if it took long to come to."""
-        if self._checkpoints is not None:
-            self._checkpoints.keep(solver, frame)
-        if frame == 1 and self._began is not None and time.perf_counter() - self._began >= LEAST:
-            kept.keep(KIND, _key(solver), solver.state_arrays())
-        self._began = None
+def _restore(solver: Any, state: Any, frame: int) -> None:
+    solver.check(state, frame)
+    solver.restore(state)
 
 
-def of_run(results: Path, every: int | None, warn: Callable[[str], None] | None) -> Checkpoints | None:
-    """Return the checkpoints of a run that writes into a folder: where they are asked for or are there already. What a
-    killed run has begun is removed, though this one may have nothing left to simulate."""
-    if (results / FOLDER).is_dir():
+def of_run(
+    results: Path, every: int | None, warn: Callable[[str], None] | None, notify: Notify | None = None
+) -> Checkpoints:
+    """Return the states of a run that writes into a folder; checkpoints where they are asked for or are there already.
+    What a killed run has begun is removed, though this one may have nothing left to simulate."""
+    there = (results / FOLDER).is_dir()
+    if there:
         remove_strays(results / FOLDER)
-    elif every is None:
-        return None
-    return Checkpoints(results, every or 0, warn)
+    return Checkpoints(results if there or every is not None else None, every or 0, warn, notify)
 
 
 def key_of(scene: Scene) -> str:
@@ -206,7 +188,3 @@ def key_of(scene: Scene) -> str:
         numba.__version__, llvm.llvm_version_info, np.__version__,
     ]  # fmt: skip
     return hashlib.sha256(json.dumps(parts, sort_keys=True, default=repr).encode()).hexdigest()
-
-
-def _key(solver: Any) -> str:
-    return kept.key_of(KIND, (__name__,), (key_of(solver.scene), solver.groom.strands))

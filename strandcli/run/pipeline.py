@@ -8,17 +8,17 @@ from typing import TYPE_CHECKING, TypeVar
 from ..compiling import runtime
 from ..compiling.clock import clock
 from ..compiling.folder import cache
+from ..compiling.service import service
 from ..errors import UsageError
 from ..plan import pictures_that_fit
 from ..scene.model import Scene
 from ..scene.named_files import naming_files
-from . import compile_ahead
 from .frame import Frame, FrameRenderer
 from .ordered_map import ordered_map, worker_count
 from .stages import MovedStrands, Notify, Positions, RunOptions, SimulationStage
 
 if TYPE_CHECKING:
-    from .checkpoints import Checkpoints, FirstFrame
+    from .checkpoints import Checkpoints
 
 Item = TypeVar("Item")
 
@@ -39,7 +39,7 @@ def render(
     keep_going: bool = False,
     notify: Notify | None = None,
     warn: Notify | None = None,
-    checkpoints: Checkpoints | FirstFrame | None = None,
+    checkpoints: Checkpoints | None = None,
 ) -> Iterator[Frame]:
     """Frames of a scene in ascending order (all of them by default); those before the first are simulated unseen.
 
@@ -101,7 +101,7 @@ def _run(
 
     ahead = options.draw and bool(frames)
     if ahead:
-        compile_ahead.begin(scene, numba.get_num_threads())
+        service.ahead(scene, numba.get_num_threads())
     try:
         moved = SimulationStage(scene, frames, given, options)
         notify = options.notify
@@ -116,7 +116,7 @@ def _run(
                 yield moved.begin(number).frame
     finally:
         if ahead:
-            compile_ahead.end()
+            service.stop_ahead()
 
 
 def _drawn(moved: SimulationStage, frames: Sequence[int], several: bool) -> Iterator[Frame]:

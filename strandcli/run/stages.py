@@ -24,7 +24,7 @@ from ..scene.model import MeshShape, Scene
 from .frame import Frame
 
 if TYPE_CHECKING:
-    from .checkpoints import Checkpoints, FirstFrame
+    from .checkpoints import Checkpoints
 
 Notify = Callable[[str], None]
 Positions = Callable[[int], NDArray[np.float32]]
@@ -44,7 +44,7 @@ class RunOptions:
     """Is handed what is being done."""
     warn: Notify | None = None
     """Is handed what is hardly meant, once for all panels."""
-    checkpoints: Checkpoints | FirstFrame | None = None
+    checkpoints: Checkpoints | None = None
     """From where the simulation goes on, and where it leaves its state."""
     heard: set[str] = field(default_factory=set)
     """What ``warn`` was handed."""

@@ -86,17 +86,17 @@ def time_stages(
     scene: Scene, frames: int, clock: Clock, notify: Notify | None
 ) -> tuple[Timed, dict[str, float] | None]:
     """Seconds a stage and the counts of frames 2 to ``frames`` + 1, and how busy the machine was (`Load.since`)."""
+    from ..compiling.service import service
     from ..draw.renderer import ProcessorRenderer, Renderer
     from ..output import png
     from ..output.files import write_pieces
-    from ..run import compile_ahead
     from ..run.frame import FrameRenderer
     from ..run.stages import RunOptions, SimulationStage
 
     numbers = range(1, frames + 2)
     timed: Timed = []
     load = Load()
-    compile_ahead.begin(scene, None)
+    service.ahead(scene, None)
     try:
         moved = SimulationStage(scene, numbers, None, RunOptions(notify=notify))
         draw = FrameRenderer(moved, ProcessorRenderer if clock is time.process_time else Renderer)
@@ -128,7 +128,7 @@ def time_stages(
                 else:
                     timed.append((seconds, {**counts, **more}))
     finally:
-        compile_ahead.end()
+        service.stop_ahead()
     return timed, load.since()
 
 

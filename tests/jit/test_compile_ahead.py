@@ -7,6 +7,7 @@ import dataclasses
 import pytest
 
 from strand_kit import frames_of, groom_of, scene_of
+from strandcli.compiling.service import PARTS
 from strandcli.draw.compile_parts import compile_part
 from strandcli.draw.coverage.kernels import resolve, tile_binning
 from strandcli.draw.film.kernels import film
@@ -14,7 +15,6 @@ from strandcli.draw.geometry.kernels import ribbon
 from strandcli.draw.lighting.kernels import shade_strands, shade_surfaces
 from strandcli.draw.renderer import Renderer
 from strandcli.draw.solids.kernels import visible
-from strandcli.run import compile_ahead
 
 SCENE = """
 emitter: {strands: 1, particles: 2, length: 4, direction: [0, 1, 0], position: [0.05, -2, 1.5],
@@ -35,7 +35,7 @@ KERNELS = {
 }  # fmt: skip
 
 
-@pytest.mark.parametrize("part", compile_ahead.PARTS)
+@pytest.mark.parametrize("part", PARTS)
 def test_a_part_compiles_what_a_frame_calls_and_nothing_else(part: str) -> None:
     scene = scene_of(SCENE)
     frames_of(scene, 1)

@@ -19,7 +19,7 @@ import pytest
 from kernel_kit import begin, called, plus_three, plus_two
 from strand_kit import scene_of
 from strandcli import doctor
-from strandcli.compiling import folder, stores, worker, written
+from strandcli.compiling import folder, stores, worker
 from strandcli.compiling.clock import clock
 from strandcli.compiling.service import service
 from strandcli.doctor import NOTE
@@ -110,10 +110,9 @@ def test_a_module_in_the_cache_is_run_if_its_hash_is_the_one_in_its_name(
     base: Path, monkeypatch: pytest.MonkeyPatch
 ) -> None:
     """Workers read such modules; the process that has written one runs the text that it has."""
-    monkeypatch.setattr(written, "cache", folder.cache)
     place = folder.cache.path
     text = "value = 1\n"
-    module = written.module_of(text, "fuzzed", place)
+    module = folder.module_of(text, "fuzzed", place)
     name, file = module.__name__, module.__file__
     monkeypatch.setattr(sys, "meta_path", [*sys.meta_path, worker.WrittenModules()])
     del sys.modules[name]
@@ -122,7 +121,7 @@ def test_a_module_in_the_cache_is_run_if_its_hash_is_the_one_in_its_name(
     Path(file).write_text("value = 2\n", encoding="utf-8")
     with pytest.raises(ImportError, match="not what was written"):
         importlib.import_module(name)
-    assert written.module_of(text, "fuzzed", place).value == 1
+    assert folder.module_of(text, "fuzzed", place).value == 1
     del sys.modules[name]
 
 

@@ -15,8 +15,7 @@ from numba import config
 
 from kernel_kit import fresh, hits
 from strandcli.compiling import folder, service
-from strandcli.compiling.claims import Claims
-from strandcli.compiling.written import module_of
+from strandcli.compiling.folder import module_of
 from strandcli.draw.common.kernels import approximations
 from strandcli.draw.film.film import curve_of
 from strandcli.draw.film.kernels import film
@@ -65,11 +64,11 @@ def test_workers_compile_ahead_once_a_kernel_is_missing(place: Path, monkeypatch
     monkeypatch.setattr(one, "_begin_ahead", lambda *what: begun.append(what))
     monkeypatch.setattr(one, "_worker_on_demand", lambda: None)
     fresh(approximations.asin)(np.float32(0.5))
-    one.ahead("scene", ["light"], 2)
+    one.ahead("scene", 2)
     fresh(approximations.asin)(np.float32(0.5))
     assert begun == []
     fresh(approximations.exp)(np.float32(0.5))
-    assert begun == [("scene", ["light"], 2)]
+    assert begun == [("scene", 2)]
 
 
 def test_a_worker_lives_that_imports_all_at_once(place: Path) -> None:
@@ -132,7 +131,7 @@ from pathlib import Path
 from strandcli.compiling import folder
 from strandcli.compiling.service import service
 folder.cache.use(Path(sys.argv[1]))
-service._begin_ahead(None, ["light"], 2)
+service._begin_ahead(None, 2)
 workers = [service._worker_on_demand(), *service._ahead]
 print(*(one._process.pid for one in workers), flush=True)
 if sys.argv[2] == "waits": time.sleep(600)
@@ -162,7 +161,7 @@ def test_workers_end_with_their_parent_however_that_ends(tmp_path: Path, ends: s
 CLAIM = """
 import sys
 from pathlib import Path
-from strandcli.compiling.claims import claims
+from strandcli.compiling.service import claims
 claims.take(Path(sys.argv[1]), bytes(32))
 print("taken", flush=True)
 sys.stdin.read()
@@ -175,7 +174,7 @@ def test_an_entry_is_claimed_by_one_process_until_it_ends(tmp_path: Path) -> Non
     with subprocess.Popen(words, env=place, stdin=subprocess.PIPE, stdout=subprocess.PIPE, text=True) as other:
         assert other.stdout is not None
         assert other.stdout.readline() == "taken\n"
-        claims = Claims()
+        claims = service.Claims()
         claims.take(tmp_path, bytes([1] * 32))  # another entry
         assert claims.count() == 1
         began = time.monotonic()

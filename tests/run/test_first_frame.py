@@ -13,7 +13,7 @@ import strandcli
 from strandcli.compiling import folder
 from strandcli.jit import kept as keeping
 from strandcli.run import checkpoints as first_frame
-from strandcli.run.checkpoints import Checkpoints, FirstFrame
+from strandcli.run.checkpoints import Checkpoints
 from strandcli.run.frame import Frame
 from strandcli.run.pipeline import render
 from strandcli.scene import Scene
@@ -48,11 +48,11 @@ def run(scene: Scene, frames: list[int], kept: Any = None, **more: Any) -> tuple
 def test_a_later_run_has_the_bits_of_the_first(name: str) -> None:
     scene = scene_of(name)
     plain, whole = run(scene, [1, 3])
-    first, simulated = run(scene, [1, 3], FirstFrame(None, None))
+    first, simulated = run(scene, [1, 3], Checkpoints(None))
     assert simulated == whole
-    later, fewer = run(scene, [1, 3], FirstFrame(None, None))
+    later, fewer = run(scene, [1, 3], Checkpoints(None))
     assert fewer < whole
-    assert run(scene, [1], FirstFrame(None, None))[1] == 0
+    assert run(scene, [1], Checkpoints(None))[1] == 0
     for found in first, later:
         for a, b in zip(plain, found, strict=True):
             np.testing.assert_array_equal(a.image, b.image)
@@ -69,7 +69,7 @@ def test_only_what_moves_strands_begins_anew(place: Path) -> None:
     ]  # fmt: skip
     for more in changes:
         scene = scene_of(**more)
-        found, simulated = run(scene, [1], FirstFrame(None, told.append))
+        found, simulated = run(scene, [1], Checkpoints(None, notify=told.append))
         assert found[0].report.get("went_on_from") == (None if simulated else 1)
         steps.append(simulated > 0)
         np.testing.assert_array_equal(found[0].image, run(scene, [1])[0][0].image)
@@ -80,28 +80,28 @@ def test_only_what_moves_strands_begins_anew(place: Path) -> None:
 
 def test_a_damaged_state_is_made_again(place: Path) -> None:
     scene = scene_of()
-    plain, whole = run(scene, [1], FirstFrame(None, None))
+    plain, whole = run(scene, [1], Checkpoints(None))
     (path,) = place.glob("first-frame-*.arrays")
     data = bytearray(path.read_bytes())
     data[-100] ^= 1
     path.write_bytes(data)
-    again, simulated = run(scene, [1], FirstFrame(None, None))
+    again, simulated = run(scene, [1], Checkpoints(None))
     assert simulated == whole
     alike(plain, again)
-    assert run(scene, [1], FirstFrame(None, None))[1] == 0
+    assert run(scene, [1], Checkpoints(None))[1] == 0
 
 
 def test_a_scene_without_preroll_and_a_short_one_leave_nothing(place: Path, monkeypatch: pytest.MonkeyPatch) -> None:
-    run(scene_of(**{"time.preroll": 0}), [1, 2], FirstFrame(None, None))
+    run(scene_of(**{"time.preroll": 0}), [1, 2], Checkpoints(None))
     monkeypatch.setattr(first_frame, "LEAST", 1e9)
-    run(scene_of(), [1], FirstFrame(None, None))
+    run(scene_of(), [1], Checkpoints(None))
     assert list(place.glob("first-frame-*")) == []
 
 
 def test_checkpoints_of_the_run_go_before(tmp_path: Path) -> None:
     scene = scene_of()
-    plain, whole = run(scene, [3], FirstFrame(Checkpoints(tmp_path, 2), None))
-    again, simulated = run(scene, [3], FirstFrame(Checkpoints(tmp_path, 2), None))
+    plain, whole = run(scene, [3], Checkpoints(tmp_path, 2))
+    again, simulated = run(scene, [3], Checkpoints(tmp_path, 2))
     assert 0 < simulated == scene.time.substeps < whole
     assert again[0].report["went_on_from"] == 2
     alike(plain, again)

@@ -12,7 +12,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from ...compiling import runtime
-from ...compiling.written import module_of
+from ...compiling.folder import module_of
 from ...constants import VECTOR
 from ...groom.blocks import aligned
 from ...solids.shapes.other_code import module_for

@@ -22,7 +22,7 @@ from numpy.typing import NDArray
 
 from ... import solids
 from ...compiling import runtime
-from ...compiling.written import module_of
+from ...compiling.folder import module_of
 from ...errors import UsageError
 from ...groom.blocks import lanes
 from ...groom.record import Groom

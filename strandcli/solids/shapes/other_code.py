@@ -73,7 +73,7 @@ def module_for(solids: Sequence[Any]) -> Any:
 @functools.lru_cache(maxsize=64)
 def _module(kinds: tuple[Kind, ...]) -> Any:
     from ...compiling import runtime
-    from ...compiling.written import module_of
+    from ...compiling.folder import module_of
 
     imports = "".join(_imports(one) for one in kinds)
     data = fields_of(kinds)
