@@ -10,7 +10,7 @@ from PIL import Image
 
 import mesh_kit as kit
 from strandcli.errors import UsageError
-from strandcli.exchange import obj_lines
+from strandcli.exchange import obj_file
 from strandcli.meshes.make import RawMesh, mesh_of
 from strandcli.meshes.read import read_mesh
 
@@ -49,7 +49,7 @@ def expected(ways: list[str]) -> RawMesh:
 def test_corners_in_every_way(
     ways: list[str], back: bool, block: int, tmp_path: Path, monkeypatch: pytest.MonkeyPatch
 ) -> None:
-    monkeypatch.setattr(obj_lines, "BLOCK", block)
+    monkeypatch.setattr(obj_file, "BLOCK", block)
     path = tmp_path / "a.obj"
     path.write_bytes(text(ways, back, "\r\n" if block == 1000 else "\n"))
     found, wanted = read_mesh(path), mesh_of(expected(ways), "a")
@@ -79,12 +79,12 @@ def test_colours_and_the_picture_of_the_first_material(tmp_path: Path) -> None:
 @pytest.mark.parametrize(
     ("wrong", "words"),
     [
-        ("f 1 2 0", "line 4: '0'"), ("f 1 2 -4", "line 4: '-4'"), ("f 1 2 9", "line 4: a corner wants 'v' 9 of 3"),
-        ("f 1 2 1/x", "line 4: '1/x': is no corner"), ("f 1/1 2/1 3/1", "line 4: a corner wants 'vt' 1 of 0"),
+        ("f 1 2 0", "line 4: '0'"), ("f 1 2 -4", "line 4: '-4'"), ("f 1 2 9", "line 4: 'f' wants 'v' 9 of 3"),
+        ("f 1 2 1/x", "line 4: '1/x': is no corner"), ("f 1/1 2/1 3/1", "line 4: 'f' wants 'vt' 1 of 0"),
         ("f 1 2 x", "line 4: 'x': is no corner"), ("f 1/ 2//x 3", "line 4: '2//x': is no corner"),
         ("v 1 2 x", "line 4: 'v' with what is no number: '1 2 x'"), ("v 1 2 3\nv 1,5 2 3", "line 5: 'v' with"),
         ("v nan 1 2\nf 1 2 4", "line 4: vertex (nan, 1, 2) of a polygon is not finite"),
-        ("f 1 2 99999999999999999999", "line 4: a corner wants 'v'"), ("l " + "1 " * (3 << 20), "no end of line"),
+        ("f 1 2 99999999999999999999", "line 4: 'f' wants 'v'"), ("l " + "1 " * (3 << 20), "no end of line"),
     ],
 )  # fmt: skip
 def test_damaged_lines_are_told(wrong: str, words: str, tmp_path: Path) -> None:

@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-import re
 from collections.abc import Iterable
 from itertools import pairwise
 from pathlib import Path
@@ -13,9 +12,9 @@ import numpy.typing as npt
 
 from ...errors import UsageError
 from ...output.files import write_pieces
-from ..bounded import Bounded, Growing, not_finite, opened
+from ..bounded import Growing, not_finite, opened
 from ..files import ReadOptions
-from ..obj_lines import MENDS, blocks, line_of, no_numbers, numbers, shown
+from ..obj_file import TAKES, ObjFile, blocks, line_of
 from ..objects import UNNAMED, pieces, renamed
 from ..strands import OBJECT, Attribute, Offsets, Source, Strands, TimeSample, counts_in, spans, without_short
 from ..written import left_out
@@ -23,30 +22,14 @@ from ..written import left_out
 name = ".obj"
 suffixes = (".obj",)
 
-ROWS = re.compile(rb"(?:[-+]?\d{1,18} )*")
-OTHERS = re.compile(rb"(?<=\d)/(?:[-+]?\d+)?")
-"""The row of a texture that may stand behind that of a vertex."""
 AT_ONCE = 1 << 16
 """Points that are written at once."""
-OF_POINT = 16
+OF_POINT = TAKES[b"l"][1]
 """Bytes that a point of a strand and its row take; lines may name one point often."""
 IS_MESH = (
     "is a mesh, neither a preset nor strands: it has no lines; 'strandcli info' draws it with --picture, "
     "emitter.shape of a preset has strands grow on it, and solids have it drawn"
 )
-
-
-class _Found:
-    """What was read so far: vertices (V, 3), and the colours of the first of them; of lines their rows from 0, how many
-    each has, and the number of its object; how many polygons there are, and vertices that have a colour; names of
-    objects, the last one's number, and whether it is one that ``o`` names."""
-
-    def __init__(self) -> None:
-        self.vertices, self.colours = Growing(np.float32, 3), Growing(np.float32, 3)
-        self.rows, self.lengths, self.objects = (Growing(np.int32) for _ in range(3))
-        self.faces = self.coloured = 0
-        self.names = {b"": 0}
-        self.now, self.named = 0, False
 
 
 def sniff(head: bytes, size: int) -> bool:
@@ -63,34 +46,62 @@ def is_mesh(path: Path) -> bool:
 def read(path: Path, options: ReadOptions) -> Strands:
     """The strands of a file: its lines, of which one that begins at the vertex where the one before it ends goes on
     with it."""
-    found = _Found()
+    names, faces, each = _Names(), 0, Growing(np.int32)
     with opened(path, ".obj file", options.lenient) as file:
-        line = 1
-        for lines in blocks(file):
-            _block(file, found, [one.split() for one in lines], line)
-            line += len(lines)
+        found = ObjFile(file, b"l", np.float32, lambda colours: colours.astype(np.float32))
+        for heads, lines in found.blocks():
+            faces += heads.count(b"f")
+            each.add(names.of_lines(heads, lines))
         if not found.lengths.size:
-            raise UsageError(f"{path}: {IS_MESH}") if found.faces else file.damaged("has no lines (l)", 0)
-    rows, count = found.rows.taken(), found.vertices.size
-    if rows.max(initial=-1) >= count:
-        line_number = int(np.searchsorted(np.cumsum(found.lengths.rows), int(rows.argmax()), side="right"))
-        at = line_of(path, b"l", line_number)
-        raise UsageError(f"{path}: line {at:,}: 'l' wants 'v' {int(rows.max()) + 1:,} of {count:,}: {MENDS}")
-    first, rows, objects = joined_lines(Lines(found.lengths.taken(), rows, found.objects.taken()))
-    points = at_rows(found.vertices.taken(), rows)
+            raise UsageError(f"{path}: {IS_MESH}") if faces else file.damaged("has no lines (l)", 0)
+    rows, vertices = found.rows.taken()[:, 0] - np.int32(1), found.tables[b"v"].taken()
+    first, rows, objects = joined_lines(Lines(found.lengths.taken(), rows, each.taken()))
+    points = at_rows(vertices, rows)
     bad, row = not_finite(points)
     if bad and not options.lenient:
         at = line_of(path, b"v", int(rows[row]))
         raise UsageError(f"{path}: line {at:,}: vertex of a strand is not finite; 'convert --fix' mends it")
-    names, attributes = _objects(found, objects)
-    not_read = {"polygons": found.faces}
-    if found.colours.size == count:
+    labels, attributes = names.used(objects)
+    not_read = {"polygons": faces}
+    if found.colours.size == len(vertices):
         attributes["colour"] = Attribute("point", at_rows(found.colours.taken(), rows))
     else:
         not_read["colours of vertices, where others have none"] = found.coloured
     not_read = {what: many for what, many in not_read.items() if many}
     facts: dict[str, Any] = {"not_read": not_read} if not_read else {}
-    return without_short(Strands(first, points, attributes, Source(name, facts=facts), names))
+    return without_short(Strands(first, points, attributes, Source(name, facts=facts), labels))
+
+
+class _Names:
+    """Names of objects, by ``o``, or by ``g`` where there are no others."""
+
+    def __init__(self) -> None:
+        self.numbers = {b"": 0}
+        self.now, self.by_object = 0, False
+
+    def of_lines(self, heads: list[bytes], lines: list[list[bytes]]) -> list[int]:
+        """The number of the object that each statement ``l`` is of."""
+        found = []
+        for head, words in zip(heads, lines, strict=True):
+            if head == b"l":
+                found.append(self.now)
+            elif head == b"o" or (head == b"g" and not self.by_object):
+                self.by_object = head == b"o"
+                self.now = self.numbers.setdefault(b" ".join(words[1:]), len(self.numbers))
+        return found
+
+    def used(self, objects: npt.NDArray[np.int32]) -> tuple[tuple[str, ...], dict[str, Attribute]]:
+        """The names of objects that have strands, which are of those of these numbers (S,), and of several the
+        attribute that tells them apart; () where strands have no names."""
+        used = np.zeros(len(self.numbers), np.bool_)
+        used[objects] = True
+        if not used[1:].any():
+            return (), {}
+        names = tuple(
+            one.decode("utf-8", "replace") or UNNAMED for one, has in zip(self.numbers, used, strict=True) if has
+        )
+        numbers = (np.cumsum(used, dtype=np.int32) - 1)[objects]
+        return names, {OBJECT: Attribute("strand", numbers)} if len(names) > 1 else {}
 
 
 class Lines(NamedTuple):
@@ -124,73 +135,6 @@ def at_rows(table: npt.NDArray[Any], rows: npt.NDArray[np.int32]) -> npt.NDArray
     """The rows of a table (V, k) that strands name one after the other (P,); the table itself where they name it so."""
     own = np.array_equal(rows, np.arange(rows.size, dtype=np.int32))
     return table[: rows.size] if own else table[rows]
-
-
-def _objects(found: _Found, objects: npt.NDArray[np.int32]) -> tuple[tuple[str, ...], dict[str, Attribute]]:
-    """The names of objects that have strands, which are of those of these numbers (S,), and of several the attribute
-    that tells them apart; () where strands have no names."""
-    used = np.zeros(len(found.names), np.bool_)
-    used[objects] = True
-    if not used[1:].any():
-        return (), {}
-    names = tuple(one.decode("utf-8", "replace") or UNNAMED for one, has in zip(found.names, used, strict=True) if has)
-    numbers = (np.cumsum(used, dtype=np.int32) - 1)[objects]
-    return names, {OBJECT: Attribute("strand", numbers)} if len(names) > 1 else {}
-
-
-def _block(file: Bounded, found: _Found, lines: list[list[bytes]], line: int) -> None:
-    """Add lines, as their words, of which the first has a number."""
-    heads = [words[0] if words else b"" for words in lines]
-    objects = []
-    for head, words in zip(heads, lines, strict=True):
-        if head == b"l":
-            objects.append(found.now)
-        elif head == b"o" or (head == b"g" and not found.named):
-            found.named = head == b"o"
-            found.now = found.names.setdefault(b" ".join(words[1:]), len(found.names))
-    if objects:
-        found.objects.add(objects)
-        own = [k for k, head in enumerate(heads) if head == b"l"]
-        before = found.vertices.size + np.cumsum([head == b"v" for head in heads])[own]
-        _add_lines(file, found, [lines[k][1:] for k in own], before, line + np.array(own))
-    rows = [words[1:] for head, words in zip(heads, lines, strict=True) if head == b"v"]
-    if rows:
-        _add_vertices(file, found, rows, lines, line)
-    found.faces += heads.count(b"f")
-
-
-def _add_vertices(file: Bounded, found: _Found, rows: list[list[bytes]], lines: list[list[bytes]], line: int) -> None:
-    """Add statements ``v``, as their words without the first."""
-    values = numbers(rows, 3)
-    if values is None:
-        raise no_numbers(file.path, b"v", 3, lines, line)
-    found.coloured += sum(len(row) >= 6 for row in rows)
-    with np.errstate(over="ignore"):
-        if values.shape[1] >= 6 and found.colours.size == found.vertices.size:
-            found.colours.add(values[:, 3:6].astype(np.float32))
-        found.vertices.add(values[:, :3].astype(np.float32))
-
-
-def _add_lines(
-    file: Bounded, found: _Found, lines: list[list[bytes]], before: npt.NDArray[np.int64],
-    places: npt.NDArray[np.int64],
-) -> None:  # fmt: skip
-    """Add statements ``l``, as their words, each with how many vertices there are before it and the number of its
-    line."""
-    lengths = np.array([len(words) for words in lines], np.int32)
-    file.room("points of its lines", found.rows.size + int(lengths.sum()), OF_POINT)
-    text = OTHERS.sub(b"", b" ".join([word for words in lines for word in words]) + b" ")
-    rows = np.fromstring(text, np.int64, sep=" ") if ROWS.fullmatch(text) and text.strip() else np.zeros(0, np.int64)
-    if rows.size != lengths.sum():
-        wrong = (k for k, words in enumerate(lines) if not ROWS.fullmatch(OTHERS.sub(b"", b" ".join(words)) + b" "))
-        bad = next(wrong, 0)
-        raise UsageError(f"{file.path}: line {places[bad]:,}: 'l' of '{shown(b' '.join(lines[bad]))}': {MENDS}")
-    rows = np.where(rows < 0, rows + np.repeat(before, lengths), rows - 1)
-    if rows.min(initial=0) < 0:
-        at = places[int(np.searchsorted(np.cumsum(lengths), int(rows.argmin()), side="right"))]
-        raise UsageError(f"{file.path}: line {at:,}: 'l' wants a 'v' before the first; they count from 1: {MENDS}")
-    found.rows.add(np.minimum(rows, 2**31 - 1))
-    found.lengths.add(lengths)
 
 
 def write(path: Path, strands: Strands, samples: Iterable[TimeSample] | None = None) -> list[str]:
