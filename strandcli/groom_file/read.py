@@ -32,8 +32,6 @@ from .rows import (
     Rows,
     most_points,
     packed,
-    places_left,
-    points_at,
     points_in,
     rows_in,
     with_at_most,
@@ -153,14 +151,13 @@ def _film(
     """The moments of a file of which ``found`` is the first: all are edited and placed as this one. ``in_file``: points
     of each strand of the file; ``rows``: which of them are those of the ``strands`` that are drawn."""
     assert found.groom.places is not None
-    first, places = places_left(strands, found.points)
-    bare, order = Strands(first, NO_POINTS), found.groom.places
+    bare, order = Strands(strands.first, NO_POINTS), found.groom.places
     pairs = Strands(even_offsets(strands.count, 2), NO_POINTS)
     ends = rows[np.stack([strands.first[:-1], strands.first[:-1] + 1], axis=1).reshape(-1)]
 
     def again(points: Points) -> NDArray[np.float32]:
-        moved = put(replace(bare, points=points_at(points[rows], places)), given, found.placement)
-        return packed(first, moved.points, found.rows, order, found.points)
+        moved, _ = with_at_most(put(replace(bare, points=points[rows]), given, found.placement), found.points)
+        return packed(moved.first, moved.points, found.rows, order, found.points)
 
     def ends_again(points: Points) -> NDArray[np.float64]:
         moved = put(replace(pairs, points=points[ends]), given, found.placement)

@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-from dataclasses import replace
 from typing import Any
 
 import numpy as np
@@ -10,7 +9,7 @@ from numpy.typing import NDArray
 
 from ..constants import W
 from ..exchange.resample import resampled
-from ..exchange.strands import CACHED, Attribute, Offsets, Points, Strands
+from ..exchange.strands import CACHED, Offsets, Points, Strands
 from ..groom.blocks import aligned
 from .kernels import rows as kernel
 
@@ -36,27 +35,6 @@ def with_at_most(strands: Strands, most: int) -> tuple[Strands, float]:
         return strands, 0.0
     found, change = resampled(strands, most)
     return found, float(change.facts["deviation_max"])
-
-
-def places_left(strands: Strands, most: int) -> tuple[Offsets, NDArray[np.float64] | None]:
-    """The offsets (S + 1,) of strands `with_at_most` so many points, and where these points (P,) are among those that
-    there are: 3.25 is between points 3 and 4. None for the places where all points stay."""
-    own = Attribute("point", np.arange(strands.points.shape[0], dtype=np.float64))
-    found, _ = with_at_most(replace(strands, attributes={"place": own}), most)
-    return found.first, None if found.points is strands.points else found.attributes["place"].values
-
-
-def points_at(points: Points, places: NDArray[np.float64] | None) -> Points:
-    """(P, 3) the points at places among some, as of `places_left`, on the straight segments between them."""
-    if places is None:
-        return points
-    found = np.empty((places.shape[0], 3), np.float32)
-    for begin in range(0, places.shape[0], CACHED):
-        here = places[begin : begin + CACHED]
-        low = here.astype(np.int64)
-        a, b = (points[row].astype(np.float64) for row in (low, np.minimum(low + 1, points.shape[0] - 1)))
-        found[begin : begin + CACHED] = a + (here - low)[:, None] * (b - a)
-    return found
 
 
 def rows_in(first: Offsets, points: Points, most: int) -> Rows | None:

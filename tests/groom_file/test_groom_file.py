@@ -15,6 +15,8 @@ from cli_runs import Runner
 from groom_file_kit import Strand, drawn, hanging, scene, write
 from strandcli.constants import W
 from strandcli.errors import UsageError
+from strandcli.exchange import files
+from strandcli.exchange.strands import TimeSample
 from strandcli.groom_file import from_file, rows
 from strandcli.run import pipeline
 
@@ -224,5 +226,10 @@ def test_one_long_strand_does_not_make_all_of_them_long(tmp_path: Path, monkeypa
     (words,) = [one for one in found.notes if "for memory" in one]
     assert f"strands of up to 900 points are drawn with {most} each" in words
     lines = drawn(scene(path))
+    moving = tmp_path / "b.abc"
+    points = exchange_kit.of(strands).points
+    files.write(moving, exchange_kit.of(strands), [TimeSample(0.0, points), TimeSample(1 / 24, points + np.float32(1))])
+    for one, other in zip(drawn(scene(moving, time__frames=2), 2), lines, strict=True):
+        np.testing.assert_allclose(one, other + 1, atol=1e-5)
     told = float(words.split("at most ")[1].split(" m off")[0])
     assert all(off(own, line) <= 1.01 * told + 1e-6 for own, line in zip(strands, lines, strict=True))
