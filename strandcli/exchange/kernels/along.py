@@ -30,9 +30,7 @@ def along(first, points, s, low, share, out):
     begin = first[s]
     end = first[s + 1] - 1
     last = out.shape[1] - 1
-    total = 0.0
-    for i in range(begin, end):
-        total += distance(points, i, i + 1)
+    total = length(points, begin, end)
     travelled = 0.0
     k = 0
     for i in range(begin, end):
@@ -45,13 +43,7 @@ def along(first, points, s, low, share, out):
     while k <= last:
         put(points, end - 1, 1.0, low, share, out, s, k)
         k += 1
-    worst = 0.0
-    travelled = 0.0
-    for i in range(begin + 1, end):
-        travelled += distance(points, i - 1, i)
-        k = min(int(travelled / total * last), last - 1) if total > 0.0 else 0
-        worst = max(worst, math.sqrt(apart(points, i, out[s], k, k + 1)))
-    return worst
+    return off(points, begin, end, out[s], total)
 
 
 @device
@@ -74,6 +66,15 @@ def distance(points, i, j):
 
 
 @device
+def length(points, begin, end):
+    """Of the polyline from point ``begin`` to ``end``."""
+    total = 0.0
+    for i in range(begin, end):
+        total += distance(points, i, i + 1)
+    return total
+
+
+@device
 def apart(points, i, others, j, k):
     """Square of the distance from point i to the segment between j and k of ``others``."""
     ex = np.float64(others[k, 0]) - others[j, 0]
@@ -88,6 +89,21 @@ def apart(points, i, others, j, k):
     y -= t * ey
     z -= t * ez
     return x * x + y * y + z * z
+
+
+@device
+def off(points, begin, end, out, total):
+    """Greatest distance of points ``begin`` to ``end`` of a strand, which is ``total`` long, from the segments of
+    ``out`` (n, 3) that stand for them: each for as much of its length."""
+    last = out.shape[0] - 1
+    worst = 0.0
+    passed = 0.0
+    for i in range(begin, end + 1):
+        if i > begin:
+            passed += distance(points, i - 1, i)
+        k = min(int(passed / total * last), last - 1) if total > 0.0 else 0
+        worst = max(worst, apart(points, i, out, k, k + 1))
+    return math.sqrt(worst)
 
 
 PIECE = 1024
@@ -106,19 +122,13 @@ def simplify(first, points, widths, tolerance, keep, deviation):
         worst = 0.0
         begin = first[s]
         end = first[s + 1] - 1
-        mark(keep, begin)
+        keep[begin] = True
         while begin < end:
             stop = min(begin + PIECE, end)
-            mark(keep, stop)
+            keep[stop] = True
             worst = max(worst, thin(points, widths, begin, stop, tolerance * tolerance, keep, waiting))
             begin = stop
         deviation[s] = math.sqrt(worst)
-
-
-@device
-def mark(keep, i):
-    """Point i stays."""
-    keep[i] = True
 
 
 @device
@@ -144,7 +154,7 @@ def thin(points, widths, begin, stop, square, keep, waiting):
                 far = d
                 place = i
         if far > square:
-            mark(keep, place)
+            keep[place] = True
             waiting[count, BEGIN] = low
             waiting[count, END] = place
             waiting[count + 1, BEGIN] = place
@@ -194,15 +204,6 @@ def chains(first, points, low, share, out, deviation):
 
 
 @device
-def length(points, begin, end):
-    """Of the polyline from point ``begin`` to ``end``."""
-    total = 0.0
-    for i in range(begin, end):
-        total += distance(points, i, i + 1)
-    return total
-
-
-@device
 def fold(out, k, end, size):
     """Place the joints between k and ``end``, one or two, so that all segments have a size; they are where the strand
     is, and the chord of those two is no longer than the segments together."""
@@ -240,17 +241,3 @@ def side_of(out, k, end, ex, ey, ez, size):
             x, y, z = ey, -ex, 0.0
     scale = 1.0 / math.sqrt(x * x + y * y + z * z)
     return x * scale, y * scale, z * scale
-
-
-@device
-def off(points, begin, end, out, total):
-    """Greatest distance of points ``begin`` to ``end`` of a strand from the segments of its chain that stand for it."""
-    last = out.shape[0] - 1
-    worst = 0.0
-    passed = 0.0
-    for i in range(begin, end + 1):
-        if i > begin:
-            passed += distance(points, i - 1, i)
-        k = min(int(passed / total * last), last - 1) if total > 0.0 else 0
-        worst = max(worst, apart(points, i, out, k, k + 1))
-    return math.sqrt(worst)

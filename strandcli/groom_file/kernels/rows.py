@@ -11,7 +11,7 @@ import math
 import numpy as np
 
 from ...constants import W
-from ...exchange.kernels.along import distance
+from ...exchange.kernels.along import distance, length
 from ...jit import device, parallel, prange
 from ...meshes.kernels.distance import distance as grid_distance
 
@@ -28,14 +28,12 @@ def place(first, points, most, per, out):
 def place_strand(points, begin, end, most, per, out):
     """`place` of the strand of the points from ``begin`` to ``end``; one without length has its points by number."""
     last = end - begin - 1
-    whole = 0.0
-    for i in range(begin, end - 1):
-        whole += distance(points, i, i + 1)
-    way = 0.0
+    whole = length(points, begin, end - 1)
+    along = 0.0
     for i in range(last + 1):
         if i > 0:
-            way += distance(points, begin + i - 1, begin + i)
-        share = way / whole if 0.0 < whole < np.inf else i / last
+            along += distance(points, begin + i - 1, begin + i)
+        share = along / whole if 0.0 < whole < np.inf else i / last
         out[begin + i] = share if last >= most else (i + np.rint(share * (most - last - 1))) / per
 
 
@@ -113,18 +111,16 @@ def write(points, rows, out):
 def travel(points, rows, out):
     """`write` of one strand; of one without length by number."""
     last = points.shape[0] - 1
-    whole = 0.0
-    for i in range(last):
-        whole += distance(points, i, i + 1)
-    way = 0.0
+    whole = length(points, 0, last)
+    along = 0.0
     i = 0
     for k in range(rows.shape[0]):
         while i < rows[k]:
-            way += distance(points, i, i + 1)
+            along += distance(points, i, i + 1)
             i += 1
         for c in range(3):
             out[k, c] = points[i, c]
-        out[k, 3] = np.float32(min(way / whole if whole > 0.0 else i / last, 1.0))
+        out[k, 3] = np.float32(min(along / whole if whole > 0.0 else i / last, 1.0))
 
 
 TINY = 1e-300

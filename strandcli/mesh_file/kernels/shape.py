@@ -117,7 +117,9 @@ def look(x, y, z, eye, width, before, numbers, data):
         ly -= share * min(over, 0.0) * ay
         lz -= share * min(over, 0.0) * az
     if nx * nx + ny * ny + nz * nz < TINY:
-        nx, ny, nz = face_normal(tree.corners, row)
+        faces = surface_of(data, k).faces
+        i = tree.triangle[row]
+        nx, ny, nz = 1.0 * faces[i, 0], 1.0 * faces[i, 1], 1.0 * faces[i, 2]
     facing = (nx * eye[0] + ny * eye[1] + nz * eye[2]) / math.sqrt(nx * nx + ny * ny + nz * nz)
     colour = colour_at(data, k, row, u, v, width, facing)
     return (nx, ny, nz), (x + lx, y + ly, z + lz), colour, row
@@ -162,19 +164,3 @@ def point_of(corners, row, u, v):
         w * corners[row, 0, 1] + u * corners[row, 1, 1] + v * corners[row, 2, 1],
         w * corners[row, 0, 2] + u * corners[row, 1, 2] + v * corners[row, 2, 2],
     )
-
-
-@device
-def face_normal(corners, row):
-    """A vector along the normal of a triangle."""
-    ux, uy, uz = (
-        corners[row, 1, 0] - corners[row, 0, 0],
-        corners[row, 1, 1] - corners[row, 0, 1],
-        corners[row, 1, 2] - corners[row, 0, 2],
-    )
-    vx, vy, vz = (
-        corners[row, 2, 0] - corners[row, 0, 0],
-        corners[row, 2, 1] - corners[row, 0, 1],
-        corners[row, 2, 2] - corners[row, 0, 2],
-    )
-    return uy * vz - uz * vy, uz * vx - ux * vz, ux * vy - uy * vx

@@ -149,10 +149,21 @@ def first_hits(bvh, rays, found):
         if entered == NONE:
             continue
         if bvh.counts[node] > 0:
-            test_leaf(bvh, node, entered, rays, found)
+            for k in range(RAYS):
+                if (entered >> k) & ONE == NONE:
+                    continue
+                shear = sheared(rays[3 * RAYS + k], rays[4 * RAYS + k], rays[5 * RAYS + k])
+                for i in range(bvh.child[node], bvh.child[node] + bvh.counts[node]):
+                    t, _, _ = meet(bvh.corners, i, rays[k], rays[RAYS + k], rays[2 * RAYS + k], shear)
+                    if 0.0 <= t < found[k]:
+                        found[k] = t
             continue
         first, second = node + 1, bvh.child[node]
-        if is_behind(bvh.boxes[first], bvh.boxes[second], rays):
+        one, other = bvh.boxes[first], bvh.boxes[second]
+        ahead = 0.0  # how much later along the first ray the middle of the first box comes
+        for k in range(3):
+            ahead += ((one[k] + one[3 + k]) - (other[k] + other[3 + k])) * rays[(3 + k) * RAYS]
+        if ahead > 0.0:
             first, second = second, first
         nodes[waiting], nodes[waiting + 1] = second, first
         waiting += 2
@@ -172,27 +183,3 @@ def rays_in(box, rays, inverses, found):
         leave = min(min(max(x0, x1), max(y0, y1)), max(z0, z1)) * WIDER
         entered |= movemask(enter <= min(leave, load(found, k))) << k
     return entered
-
-
-@device
-def test_leaf(bvh, node, entered, rays, found):
-    """Test the rays of a mask against the triangles of a leaf."""
-    for k in range(RAYS):
-        if (entered >> k) & ONE == NONE:
-            continue
-        ox, oy, oz = rays[k], rays[RAYS + k], rays[2 * RAYS + k]
-        shear = sheared(rays[3 * RAYS + k], rays[4 * RAYS + k], rays[5 * RAYS + k])
-        for i in range(bvh.child[node], bvh.child[node] + bvh.counts[node]):
-            t, _, _ = meet(bvh.corners, i, ox, oy, oz, shear)
-            if 0.0 <= t < found[k]:
-                found[k] = t
-
-
-@device
-def is_behind(one, other, rays):
-    """Return whether the middle of a box comes after that of another along the first ray."""
-    dx, dy, dz = rays[3 * RAYS], rays[4 * RAYS], rays[5 * RAYS]
-    x = (one[0] + one[3]) - (other[0] + other[3])
-    y = (one[1] + one[4]) - (other[1] + other[4])
-    z = (one[2] + one[5]) - (other[2] + other[5])
-    return x * dx + y * dy + z * dz > 0.0

@@ -68,15 +68,9 @@ def widen(box, other):
 
 
 @device
-def twice_centre(box, k):
-    """Low and high coordinate of a box along an axis, added."""
-    return box[k] + box[3 + k]
-
-
-@device
 def bin_of(box, k, low, scale):
-    """The bin along axis k, of `BINS`, in which a triangle's box lies."""
-    return max(min(int((twice_centre(box, k) - low) * scale), BINS - 1), 0)
+    """The bin along axis k, of `BINS`, in which twice the middle of a triangle's box lies."""
+    return max(min(int((box[k] + box[3 + k] - low) * scale), BINS - 1), 0)
 
 
 @device
@@ -166,8 +160,8 @@ def build(boxes, order, spare, bvh, tasks, bins, held):
             one = boxes[order[i]]
             widen(box, one)
             for k in range(3):
-                middle[k] = min(middle[k], twice_centre(one, k))
-                middle[3 + k] = max(middle[3 + k], twice_centre(one, k))
+                centre = one[k] + one[3 + k]
+                middle[k], middle[3 + k] = min(middle[k], centre), max(middle[3 + k], centre)
         count = end - begin
         axis, place, cost = -1, 0, LARGE
         if count > 1 and depth < BALANCED:

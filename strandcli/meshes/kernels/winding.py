@@ -35,7 +35,10 @@ def moments(bvh):
         else:
             add_moments(one, bvh.moments[node + 1])
             add_moments(one, bvh.moments[bvh.child[node]])
-        enclose(one, bvh.boxes[node])
+        box, far = bvh.boxes[node], 0.0
+        for k in range(3):
+            far += max(one[CX + k] - box[k], box[3 + k] - one[CX + k]) ** 2
+        one[RADIUS_2] = far * FAR * FAR
 
 
 @device
@@ -66,15 +69,6 @@ def add_moments(one, other):
     for k in range(3):
         one[CX + k] += share * (other[CX + k] - one[CX + k])
     one[AREA] = whole
-
-
-@device
-def enclose(one, box):
-    """Write the squared distance from which a node counts as a dipole."""
-    far = 0.0
-    for k in range(3):
-        far += max(one[CX + k] - box[k], box[3 + k] - one[CX + k]) ** 2
-    one[RADIUS_2] = far * FAR * FAR
 
 
 @device
