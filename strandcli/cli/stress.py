@@ -15,8 +15,7 @@ from .progress import Talk
 from .say import print_json, say
 
 if TYPE_CHECKING:
-    from ..study.stress.run import Result
-    from ..study.stress.verdicts import Verdict
+    from ..study.stress.run import Result, Verdict
 
 MOST_TOLD = 20
 """Failing cases that are named one by one; --json has all."""
@@ -97,7 +96,7 @@ def detail(verdict: Verdict) -> str:
 
 def table(result: Result) -> str:
     """A row for each solver and metric with its worst case, then the failures by name, then how many of what."""
-    from ..study.stress.verdicts import LIMITS
+    from ..study.stress.run import LIMITS
 
     head = ("solver", "metric", "must be", "worst", "cases", "beyond")
     lines = ["{:<8}{:<20}{:>10}{:>11}{:>8}{:>8}  worst case, and what it is".format(*head)]
@@ -133,7 +132,7 @@ def table(result: Result) -> str:
 
 def _row(solver: str, metric: str, must: str, cases: Sequence[Verdict]) -> list[str]:
     """The table's row of a metric in those of some cases that have it; none where none has."""
-    from ..study.stress.verdicts import LIMITS
+    from ..study.stress.run import LIMITS
 
     meaning = LIMITS[metric][2]
     known = [(one.metrics[metric], one) for one in cases if metric in one.metrics]

@@ -21,7 +21,7 @@ from strandcli.simulate.rod.kernels.step import run
 from strandcli.simulate.rod.solver import RodSolver
 from strandcli.study.stress import drive
 from strandcli.study.stress import run as stress
-from strandcli.study.stress.axes import case_named
+from strandcli.study.stress.matrix import case_named
 
 PULL = 9.81
 

@@ -11,8 +11,8 @@ from pathlib import Path
 import pytest
 
 from cli_runs import Runner
-from strandcli.study.stress import drive, run, verdicts
-from strandcli.study.stress.axes import AXES, case_named
+from strandcli.study.stress import drive, run
+from strandcli.study.stress.matrix import AXES, case_named
 
 
 @pytest.fixture(scope="module")
@@ -66,7 +66,7 @@ def test_the_command_lists_replays_and_tells(command: Runner) -> None:
 
 
 def test_a_failing_case_ends_in_exit_code_3_and_is_named(command: Runner, monkeypatch: pytest.MonkeyPatch) -> None:
-    monkeypatch.setitem(verdicts.LIMITS, "stretch", ("<=", -1.0, "error"))
+    monkeypatch.setitem(run.LIMITS, "stretch", ("<=", -1.0, "error"))
     result = command("stress", "--quick", "--solver", "thesis", "--filter", "*L=1e6*", "--no-progress")
     assert result.code == 3
     assert "again with: strandcli stress --case thesis/" in result.err

@@ -12,7 +12,7 @@ from strandcli.errors import UsageError
 from strandcli.scene.checks_of_file import rod_clashes
 from strandcli.simulate import solver_of
 from strandcli.study.stress import matrix, run, scenes
-from strandcli.study.stress.axes import AXES, DEFAULTS, GROUPED, Case, case_named, refusal
+from strandcli.study.stress.matrix import AXES, DEFAULTS, GROUPED, Case, case_named, refusal
 
 
 @pytest.mark.parametrize(

@@ -14,8 +14,8 @@ from strandcli.simulate.contact.forces import Forces
 from strandcli.simulate.rod.solver import RodSolver
 from strandcli.simulate.rules import registry
 from strandcli.simulate.thesis.solver import ThesisSolver
-from strandcli.study.stress import drive, run, scenes, verdicts
-from strandcli.study.stress.axes import AXES, Case, case_named
+from strandcli.study.stress import drive, run, scenes
+from strandcli.study.stress.matrix import AXES, Case, case_named
 
 
 def meter(**solids: Any) -> drive.Meter:
@@ -60,7 +60,7 @@ def test_whole_segments_are_judged_where_a_scene_keeps_them_out() -> None:
     assert one.metrics(slice(0, 1))["segment_penetration"] == pytest.approx(0.05, abs=1e-6)
     assert one.metrics(slice(1, 2))["segment_penetration"] == pytest.approx(0.1, abs=1e-6)
     assert "segment_penetration" not in meter().metrics(slice(None))
-    assert verdicts.beyond("segment_penetration", 0.05)
+    assert run.beyond("segment_penetration", 0.05)
 
 
 def test_rounding_of_coordinates_far_away_is_no_stretch_and_more_is() -> None:
@@ -78,11 +78,11 @@ def test_overlapping_solids_are_told_and_not_judged() -> None:
     one.look(strands((0.5, 0.4, 0), (1, 0, 0)), 0.0, None)
     metrics = one.metrics(slice(None))
     assert metrics["overlap"] > 0.1
-    assert not verdicts.beyond("overlap", metrics["overlap"])
+    assert not run.beyond("overlap", metrics["overlap"])
 
 
-def judged(metrics: dict[str, float], name: str = "rod/dt=0.5", **options: Any) -> verdicts.Verdict:
-    return verdicts.judge(name, {}, metrics, **options)
+def judged(metrics: dict[str, float], name: str = "rod/dt=0.5", **options: Any) -> run.Verdict:
+    return run.judge(name, {}, metrics, **options)
 
 
 def test_verdicts() -> None:
@@ -110,15 +110,16 @@ def test_only_what_is_listed_is_expected() -> None:
     assert both.verdict == "fail"
     assert "nonfinite" in both.why
     assert judged({"penetration": 0.2}, "rod/contact=through").verdict == "fail"
-    assert not [name for name, metric in verdicts.expected("thesis")[1] if metric in ("nonfinite", "exception")]
+    assert not [name for name, metric in run.expected("thesis")[1] if metric in ("nonfinite", "exception")]
 
 
 def test_every_failure_that_is_expected_is_one_of_a_case_of_the_matrix() -> None:
-    reasons, listed = verdicts.expected("thesis")
+    reasons, listed = run.expected("thesis")
     assert all(reasons.values())
     known = run.tasks(["thesis"]) + run.tasks(["thesis"], quick=True)
     assert {name for name, _ in listed} <= {name for task in known for name in (case.name for case in task)}
-    assert verdicts.passed_after_all("thesis", [], ["thesis/contact=through", "thesis"]) == ["thesis/contact=through"]
+    passed = [run.Verdict(name, {}, {}, "pass") for name in ("thesis/contact=through", "thesis")]
+    assert run.Result(("thesis",), passed, 0.0).passed_after_all == ["thesis/contact=through"]
 
 
 def test_a_solver_that_raises_or_leaves_nan_fails_its_case(monkeypatch: pytest.MonkeyPatch) -> None:

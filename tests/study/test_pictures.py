@@ -77,20 +77,6 @@ def test_rays_are_stopped_by_what_stands_in_their_way() -> None:
     assert (out[1] == 1).all()  # the strand that a probe is on does not count
 
 
-def test_balls_enclose_their_runs() -> None:
-    rng = np.random.default_rng(0)
-    first = np.cumsum([0, 2, 12, 9, 30])
-    world, radii = rng.normal(size=(53, 3)), rng.uniform(0, 0.1, 53)
-    pieces = pieces_of(first, world, radii)
-    assert np.diff(pieces.runs).max() == 8
-    np.testing.assert_array_equal(pieces.strands, np.repeat(np.arange(4), [1, 2, 1, 4]))
-    of = np.repeat(np.arange(8), np.diff(pieces.runs))
-    for ends in (pieces.begins, pieces.ends):
-        away = np.linalg.norm(ends - pieces.middles[of], axis=1) + pieces.radii
-        assert (away <= pieces.reaches[of] + 1e-12).all()
-    assert len(pieces.radii) == 53 - 4
-
-
 @pytest.mark.long
 def test_shadow_is_measured_apart_from_how_strands_scatter(tmp_path: Path) -> None:
     """Maps alone are judged: not light from strand to strand, nor an environment's."""

@@ -1,7 +1,4 @@
-"""Light between strands, exactly: parallel rays against every piece of every strand, in double precision.
-
-Pieces are gone through in runs of some, each with a ball about it, so that what is far away takes one look.
-"""
+"""Light between strands, exactly: parallel rays against every piece of every strand, in double precision."""
 
 from __future__ import annotations
 
@@ -15,7 +12,7 @@ from ...jit import inlined, parallel, prange
 
 
 class Pieces(NamedTuple):
-    """Cylinders with round ends, N of them in R runs; all but indices float64."""
+    """Cylinders with round ends, N of them; all but strands float64."""
 
     begins: NDArray[np.float64]
     """(N, 3) metres."""
@@ -23,14 +20,10 @@ class Pieces(NamedTuple):
     """(N, 3) metres."""
     radii: NDArray[np.float64]
     """(N,) metres."""
-    runs: NDArray[np.int64]
-    """(R + 1,) where runs begin; then N."""
+    lengths: NDArray[np.float64]
+    """(N,) metres."""
     strands: NDArray[np.int64]
-    """(R,) that the pieces of each run are of."""
-    middles: NDArray[np.float64]
-    """(R, 3) of the balls about runs, metres."""
-    reaches: NDArray[np.float64]
-    """(R,) radii of these balls, metres."""
+    """(N,) that they are of."""
 
 
 @parallel
@@ -49,33 +42,28 @@ def transmittance(pieces, probes, own, frames, reaches, jitter, wide, out):
         most = max(most, math.sqrt(jitter[k, 0] ** 2 + jitter[k, 1] ** 2))
     for p in prange(probes.shape[0]):
         hit = np.zeros(rays, np.uint8)
-        for run in range(pieces.strands.shape[0]):
-            if pieces.strands[run] == own[p]:
+        for i in range(pieces.strands.shape[0]):
+            ax, ay, az = seen(frames, probes, p, pieces.begins, i)
+            room = most * wide[p] + pieces.radii[i]
+            near = room + pieces.lengths[i]
+            if abs(ax) > near or abs(ay) > near or pieces.strands[i] == own[p]:
                 continue
-            x, y, z = seen(frames, probes, p, pieces.middles, run)
-            room = most * wide[p] + pieces.reaches[run]
-            if x * x + y * y > room * room or z + pieces.reaches[run] < 0.0 or z - pieces.reaches[run] > reaches[p]:
+            bx, by, bz = seen(frames, probes, p, pieces.ends, i)
+            aside = min(ax, bx) > room or max(ax, bx) < -room or min(ay, by) > room or max(ay, by) < -room
+            if aside or max(az, bz) <= 0.0 or min(az, bz) >= reaches[p]:
                 continue
-            for i in range(pieces.runs[run], pieces.runs[run + 1]):
-                ax, ay, az = seen(frames, probes, p, pieces.begins, i)
-                bx, by, bz = seen(frames, probes, p, pieces.ends, i)
-                r = pieces.radii[i]
-                room = most * wide[p] + r
-                aside = min(ax, bx) > room or max(ax, bx) < -room or min(ay, by) > room or max(ay, by) < -room
-                if aside or max(az, bz) <= 0.0 or min(az, bz) >= reaches[p]:
-                    continue
-                ex = bx - ax
-                ey = by - ay
-                e = ex * ex + ey * ey
-                for k in range(rays):
-                    dx = wide[p] * jitter[k, 0] - ax
-                    dy = wide[p] * jitter[k, 1] - ay
-                    t = min(max((dx * ex + dy * ey) / e, 0.0), 1.0) if e > 0.0 else 0.5
-                    gx = dx - t * ex
-                    gy = dy - t * ey
-                    depth = az + t * (bz - az)
-                    if gx * gx + gy * gy < r * r and depth > 0.0 and depth < reaches[p]:
-                        hit[k] = 1
+            ex = bx - ax
+            ey = by - ay
+            e = ex * ex + ey * ey
+            for k in range(rays):
+                dx = wide[p] * jitter[k, 0] - ax
+                dy = wide[p] * jitter[k, 1] - ay
+                t = min(max((dx * ex + dy * ey) / e, 0.0), 1.0) if e > 0.0 else 0.5
+                gx = dx - t * ex
+                gy = dy - t * ey
+                depth = az + t * (bz - az)
+                if gx * gx + gy * gy < pieces.radii[i] ** 2 and depth > 0.0 and depth < reaches[p]:
+                    hit[k] = 1
         for half in range(2):
             blocked = 0
             for k in range(half, rays, 2):

@@ -40,42 +40,21 @@ ALWAYS = 2
 ADAPTIVE = {"curves.mode": "adaptive", "curves.level": FINEST}
 
 
-class FrameStudy(Pictures):
-    """Parameters of drawing that make a preset's picture cheaper or finer, strands and their number untouched."""
+class WholeFrame(Pictures):
+    """Parameters of drawing that make a preset's picture cheaper or finer, strands and their number untouched. Seconds
+    are the processor's, so that other programs do not move the front."""
 
-    axis = "frame"
     what = f"{SAMPLES}×{SAMPLES} samples a pixel, curves within {TOLERANCE} samples, opacity maps of {LAYERS} layers"
+    of_processor = True
 
     def __init__(self, request: Request) -> None:
+        if request.strands is not None:
+            raise UsageError(f"--strands: axis {self.axis} draws all of them; use --set emitter.strands")
+        scene = request.single if request.size is None else changed(request.single, {"image.size": request.size})
+        request = Request(scene=scene, name=request.name, frame=request.frame, fixed=request.fixed)
         self.windows = Windows(request)
+        self.windows.of_processor = self.of_processor
         super().__init__(request, self.windows)
-
-    def choices(self) -> list[Parameters]:
-        """The finest, so that what can be reached is known however long the others take; the preset's own settings, the
-        qualities, and samples and tolerances between them."""
-        draft, default, best = (settings_for(name, self.scene) for name in ("draft", "default", "best"))
-        fine: dict[str, Any] = {"image.resolver": "sorted", **ADAPTIVE}
-        fine |= {f"lights.{i}.shadow.model": "opacity" for i in shadowed(self.scene)}
-
-        def made(samples: int, tolerance: float) -> dict[str, Any]:
-            return {**fine, "image.supersample": samples, "curves.tolerance": tolerance}
-
-        finest = {**self.converged(), "image.supersample": SAMPLES // 2}
-        found: list[Parameters] = [
-            finest,
-            {},
-            made(4, 0.05),
-            made(2, 0.05),
-            best,
-            default,
-            made(1, 0.05),
-            made(6, 0.05),
-        ]
-        found += [made(3, 0.05), made(2, 0.25)]
-        found += [draft, made(1, 0.25), {**made(1, 1.0), "detail.pixels": 0.25}, {**made(1, 1.0), "detail.pixels": 0.5}]
-        if self.scene.image.resolver == "zbuffer":
-            found += [{"image.supersample": samples} for samples in (2, 3, 4, 6, 8)]
-        return found
 
     def series(self, parameters: Parameters) -> str:
         """The resolver."""
@@ -92,28 +71,12 @@ class FrameStudy(Pictures):
             fine[f"lights.{i}.shadow.size"] = TEXELS
         return fine
 
-    def settings(self) -> list[Parameters]:
-        """The choices that are left by what was set by hand, by the look and by the memory that is free."""
-        assert self.request.scene is not None
-        looks, drawn = LOOKS.get(self.scene.look, ()), []
-        allowed = {one.path.replace("*", str(i)): one.values for one in looks for i in range(len(self.scene.lights))}
-        found = []
-        for parameters in super().settings():
-            scene = changed(self.scene, parameters)
-            if scene in drawn or any(value not in allowed.get(path, (value,)) for path, value in parameters.items()):
-                continue
-            with suppress(RefusedError):
-                checked_plan(changed(self.request.scene, parameters), (self.windows.frame,))
-                drawn.append(scene)
-                found.append(parameters)
-        return found
-
     def reference(self) -> dict[str, Any]:
         """Draw the reference, and learn what a whole frame takes."""
-        self._began, self._measured = time.monotonic(), 0
         self.fine = self.windows.draw(changed(self.scene, self.converged()))
+        words = "; seconds are the processor's, of a whole frame" if self.of_processor else ""
         return {
-            "what": self.what, "mean": self.windows.mean, "counts": self.fine.counts,
+            "what": self.what + words, "mean": self.windows.mean, "counts": self.fine.counts,
             "windows": [list(window) for window in self.windows.windows], "own_seconds": self.windows.calibrate(),
             "width": self.width_given(),
         }  # fmt: skip
@@ -123,15 +86,6 @@ class FrameStudy(Pictures):
         if not self.windows.widened:
             return {}
         return {"material.width": self.scene.material.width, "material.taper": self.scene.material.drawn_taper}
-
-    def measure(self, parameters: Parameters) -> Point:
-        """Draw one setting; after `PATIENCE` none but the first two, and the point has no error."""
-        self._measured += 1
-        if self._measured > ALWAYS and time.monotonic() - self._began > PATIENCE:
-            return Point(
-                parameters=parameters, seconds=0.0, error={"rmse": None, "flip": None}, series=self.series(parameters)
-            )
-        return super().measure(parameters)
 
     def errors(self, parameters: Parameters, picture: Picture) -> dict[str, float | None]:
         """Of the picture: root mean square in linear light, and ꟻLIP."""
@@ -151,29 +105,57 @@ class FrameStudy(Pictures):
         return float(np.mean([mean_flip(one, other) for one, other in pairs]))
 
 
-class WholeFrame(FrameStudy):
-    """A study of its own: every setting is drawn, however long that takes. Seconds are the processor's, so that other
-    programs do not move the front."""
+class FrameStudy(WholeFrame):
+    """What `render --max-error` chooses by: as many settings as there is time for."""
 
-    def __init__(self, request: Request) -> None:
-        if request.strands is not None:
-            raise UsageError(f"--strands: axis {self.axis} draws all of them; use --set emitter.strands")
-        scene = request.single if request.size is None else changed(request.single, {"image.size": request.size})
-        super().__init__(Request(scene=scene, name=request.name, frame=request.frame, fixed=request.fixed))
-        self.windows.of_processor = True
+    axis = "frame"
+    of_processor = False
+
+    def choices(self) -> list[Parameters]:
+        """The finest, so that what can be reached is known however long the others take; the preset's own settings, the
+        qualities, and samples and tolerances between them."""
+        draft, default, best = (settings_for(name, self.scene) for name in ("draft", "default", "best"))
+        fine: dict[str, Any] = {"image.resolver": "sorted", **ADAPTIVE}
+        fine |= {f"lights.{i}.shadow.model": "opacity" for i in shadowed(self.scene)}
+
+        def made(samples: int, tolerance: float) -> dict[str, Any]:
+            return {**fine, "image.supersample": samples, "curves.tolerance": tolerance}
+
+        finest = {**self.converged(), "image.supersample": SAMPLES // 2}
+        found: list[Parameters] = [finest, {}, made(4, 0.05), made(2, 0.05), best, default]
+        found += [made(1, 0.05), made(6, 0.05), made(3, 0.05), made(2, 0.25)]
+        found += [draft, made(1, 0.25), {**made(1, 1.0), "detail.pixels": 0.25}, {**made(1, 1.0), "detail.pixels": 0.5}]
+        if self.scene.image.resolver == "zbuffer":
+            found += [{"image.supersample": samples} for samples in (2, 3, 4, 6, 8)]
+        return found
 
     def settings(self) -> list[Parameters]:
-        """Those that the preset has."""
-        return Pictures.settings(self)
+        """The choices that are left by what was set by hand, by the look and by the memory that is free."""
+        assert self.request.scene is not None
+        looks, drawn = LOOKS.get(self.scene.look, ()), []
+        allowed = {one.path.replace("*", str(i)): one.values for one in looks for i in range(len(self.scene.lights))}
+        found = []
+        for parameters in super().settings():
+            scene = changed(self.scene, parameters)
+            if scene in drawn or any(value not in allowed.get(path, (value,)) for path, value in parameters.items()):
+                continue
+            with suppress(RefusedError):
+                checked_plan(changed(self.request.scene, parameters), (self.windows.frame,))
+                drawn.append(scene)
+                found.append(parameters)
+        return found
 
     def reference(self) -> dict[str, Any]:
-        """As in `FrameStudy`."""
-        found = super().reference()
-        return {**found, "what": f"{found['what']}; seconds are the processor's, of a whole frame"}
+        """As in `WholeFrame`; time runs from here on."""
+        self._began, self._measured = time.monotonic(), 0
+        return super().reference()
 
     def measure(self, parameters: Parameters) -> Point:
-        """Draw one setting."""
-        return Pictures.measure(self, parameters)
+        """Draw one setting; after `PATIENCE` none but the first two, and the point has no error."""
+        self._measured += 1
+        if self._measured <= ALWAYS or time.monotonic() - self._began <= PATIENCE:
+            return super().measure(parameters)
+        return Point(parameters, 0.0, {"rmse": None, "flip": None}, series=self.series(parameters))
 
 
 class CoverageStudy(WholeFrame):

@@ -30,8 +30,6 @@ RAYS = 2048
 """From about a probe: with 256 their noise, .02 in `hair`, was as much as maps are off."""
 BUNDLE = 1.5
 """Radius of a probe's bundle of rays, in distances between strands there."""
-RUN = 8
-"""Pieces of a strand with a ball about them."""
 BEYOND = 1e9
 """Metres: a bias behind which nothing is, for the light without a map's shade."""
 
@@ -127,12 +125,12 @@ def transmittance(
     bundle ``jitter`` (R, 2) that is ``wide`` (P,) times as many metres wide; ``own`` (P,): the strand that each point
     is on, which does not count."""
     if isinstance(light, DirectionalLight):
-        ways = np.broadcast_to(-np.array(light.direction, np.float64), points.shape)
+        directions = np.broadcast_to(-np.array(light.direction, np.float64), points.shape)
         reaches = np.full(len(points), np.inf)
     else:
-        ways = np.array(light.position) - points
-        reaches = np.linalg.norm(ways, axis=1)
-    frames = frames_along(ways)
+        directions = np.array(light.position) - points
+        reaches = np.linalg.norm(directions, axis=1)
+    frames = frames_along(directions)
     along = np.concatenate([np.linspace(0, 1, count) for count in np.diff(lines.first)])
     radii = 0.5 * thickness.width * (1 - thickness.taper * along)
     out = np.empty((len(points), 2))
@@ -142,26 +140,16 @@ def transmittance(
 
 
 def pieces_of(first: NDArray[np.integer], world: NDArray[np.float64], radii: NDArray[np.float64]) -> cylinders.Pieces:
-    """Polylines, whose vertices world (V, 3) with radii (V,) begin at first (S + 1,), as pieces in runs of `RUN`."""
-    counts = np.diff(first) - 1
+    """Polylines, whose vertices world (V, 3) with radii (V,) begin at first (S + 1,), as pieces."""
     begin = np.delete(np.arange(len(world)), first[1:] - 1)
     a, b, widths = world[begin], world[begin + 1], 0.5 * (radii[begin] + radii[begin + 1])
-    place = np.arange(len(begin)) - np.repeat(np.cumsum(counts) - counts, counts)  # on its strand
-    starts = np.flatnonzero(place % RUN == 0)
-    low, high = (
-        extreme(extreme.reduceat(a, starts), extreme.reduceat(b, starts)) for extreme in (np.minimum, np.maximum)
-    )
-    middles, runs = 0.5 * (low + high), np.append(starts, len(begin))
-    middle = np.repeat(middles, np.diff(runs), 0)
-    far = np.maximum(np.linalg.norm(a - middle, axis=1), np.linalg.norm(b - middle, axis=1)) + widths
-    strands = np.repeat(np.arange(len(counts)), counts)[starts]
-    return cylinders.Pieces(a, b, widths, runs, strands, middles, np.maximum.reduceat(far, starts))
+    strands = np.repeat(np.arange(len(first) - 1), np.diff(first) - 1)
+    return cylinders.Pieces(a, b, widths, np.linalg.norm(b - a, axis=1), strands)
 
 
-def frames_along(ways: NDArray[np.float64]) -> NDArray[np.float64]:
-    """(P, 3, 3): for each of ``ways`` (P, 3) what `draw.camera.axes` has for one, two unit vectors across it and one
-    along."""
-    along = ways / np.linalg.norm(ways, axis=1, keepdims=True)
+def frames_along(directions: NDArray[np.float64]) -> NDArray[np.float64]:
+    """(P, 3, 3): for each of ``directions`` (P, 3), as `draw.view.camera.axes`, two unit vectors across and one along."""
+    along = directions / np.linalg.norm(directions, axis=1, keepdims=True)
     across = np.cross(along, (0.0, 1.0, 0.0))
     upright = np.linalg.norm(across, axis=1) < 1e-9
     across[upright] = np.cross(along[upright], (1.0, 0.0, 0.0))

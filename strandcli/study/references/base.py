@@ -7,15 +7,14 @@ from __future__ import annotations
 
 from collections.abc import Callable, Mapping
 from dataclasses import dataclass
-from functools import cache
 from typing import Any
 
 import numpy as np
-from numpy.polynomial import legendre
 from numpy.typing import NDArray
 
 from ...groom.record import Groom
 
+Array = NDArray[np.float64]
 G = 9.81
 """Gravity in all references, m/s²."""
 DENSITY, RADIUS = 1000.0, 0.01
@@ -34,7 +33,7 @@ class Track:
     """(T, strands, particles, 3) metres."""
 
     @property
-    def last(self) -> NDArray[np.float64]:
+    def last(self) -> Array:
         """(strands, particles, 3) at the end."""
         return np.asarray(self.positions[-1])
 
@@ -107,12 +106,12 @@ def groom(
 ) -> Groom:
     """Straight strands: directions (strands, 3), lengths (strands,) metres, roots (strands, 3) metres, by default at
     the origin."""
-    way = np.array(directions, np.float64)
-    way /= np.linalg.norm(way, axis=1, keepdims=True)
+    unit = np.array(directions, np.float64)
+    unit /= np.linalg.norm(unit, axis=1, keepdims=True)
     count = len(lengths)
     return Groom(
         np.zeros((count, 3), np.float32) if roots is None else np.asarray(roots, np.float32),
-        way.astype(np.float32),
+        unit.astype(np.float32),
         np.asarray(lengths, np.float32),
         np.zeros(count, np.float32),
     )
@@ -121,60 +120,3 @@ def groom(
 def off(measured: float, exact: float) -> float:
     """The relative error of a measured value."""
     return abs(measured / exact - 1)
-
-
-Array = NDArray[np.float64]
-
-
-@dataclass(frozen=True)
-class Interval:
-    """Nodes of [0, 1] and what integrates functions that are given there, by Gauss-Legendre collocation.
-
-    A boundary-value problem is written as an integral equation, whose matrix is as well conditioned as the problem
-    itself (that of a differentiated polynomial is not), so that smooth solutions are had to nearly all digits with a
-    few dozen nodes.
-    """
-
-    nodes: Array
-    """(n,) ascending."""
-    weights: Array
-    """(n,): the integral over all of [0, 1] is weights @ values."""
-    below: Array
-    """(n, n): (below @ values)[i] is the integral from 0 to node i."""
-    above: Array
-    """(n, n): the integral from node i to 1."""
-
-    def at(self, values: Array, points: Array) -> Array:
-        """The polynomial through the values (n, ...) at nodes, evaluated at points (m,) of [0, 1]: (m, ...)."""
-        degrees = len(self.nodes) - 1
-        return np.asarray(legendre.legvander(2 * points - 1, degrees) @ (_analysis(degrees + 1) @ values))
-
-    def running(self, values: Array, points: Array) -> Array:
-        """The integral of that polynomial from 0 to each of the points (m,): (m, ...)."""
-        n = len(self.nodes)
-        return np.asarray(_primitives(2 * points - 1, n) @ (_analysis(n) @ values))
-
-
-@cache
-def interval(n: int) -> Interval:
-    """[0, 1] with n nodes: exact for polynomials of degree n − 1, and integrals over all of it up to 2 n − 1."""
-    x, w = legendre.leggauss(n)
-    below = _primitives(x, n) @ _analysis(n)
-    return Interval((x + 1) / 2, w / 2, below, np.broadcast_to(w / 2, (n, n)) - below)
-
-
-def _analysis(n: int) -> Array:
-    """(n, n): Legendre coefficients of the polynomial through values at the n nodes."""
-    x, w = legendre.leggauss(n)
-    return np.asarray((np.arange(n) + 0.5)[:, None] * legendre.legvander(x, n - 1).T * w)
-
-
-def _primitives(x: Array, n: int) -> Array:
-    """(len(x), n): integrals of the Legendre polynomials P_0 … P_{n−1} from −1 to x, halved, [0, 1] being half as long:
-    ∫ P_k = (P_{k+1} − P_{k−1}) / (2 k + 1)."""
-    p = legendre.legvander(x, n)
-    out = np.empty((len(x), n))
-    out[:, 0] = x + 1
-    k = np.arange(1, n)
-    out[:, 1:] = (p[:, 2:] - p[:, :-2]) / (2 * k + 1)
-    return out / 2

@@ -15,8 +15,9 @@ from dataclasses import dataclass
 from functools import cache
 
 import numpy as np
+from numpy.polynomial import legendre
 
-from .base import Array, Case, Errors, G, Interval, Reference, Track, groom, interval, off, preset
+from .base import Array, Case, Errors, G, Reference, Track, groom, off, preset
 
 NODES = 128
 NEWTON = 8
@@ -28,19 +29,27 @@ LOADS = (0.1, 1.0, 3.0, 10.0, 30.0, 100.0)
 LENGTHS = np.cbrt(np.array(LOADS) / METRE)
 
 
+@cache
+def collocation(n: int) -> tuple[Array, Array, Array]:
+    """n nodes of [0, 1] (Gauss and Legendre), their weights, and what makes of values there (n, ...) the Legendre
+    coefficients (n + 1, ...) of the integral from 0 of the polynomial through them."""
+    x, weights = legendre.leggauss(n)
+    return (x + 1) / 2, weights / 2, legendre.legint(np.linalg.inv(legendre.legvander(x, n - 1)), lbnd=-1) / 2
+
+
 @dataclass(frozen=True)
 class Shape:
     """A rod at rest, of length 1."""
 
-    nodes: Interval
-    """In t, from tip to root."""
     angles: Array
-    """(n,) φ at the nodes."""
+    """(n,) φ at the nodes, from tip to root."""
 
     def points(self, shares: Array) -> Array:
         """(m, 2): how far out from the clamp and how far down the rod is at shares (m,) of its length from the root."""
-        way = np.stack([np.sin(self.angles), np.cos(self.angles)], 1)
-        return np.asarray(self.nodes.weights @ way - self.nodes.running(way, 1 - np.asarray(shares, float)))
+        _, weights, integral = collocation(len(self.angles))
+        tangents = np.stack([np.sin(self.angles), np.cos(self.angles)], 1)
+        beyond = legendre.legvander(1 - 2 * np.asarray(shares, float), len(self.angles)) @ (integral @ tangents)
+        return np.asarray(weights @ tangents - beyond)
 
     @property
     def tip(self) -> tuple[float, float]:
@@ -57,15 +66,16 @@ class Shape:
 
 def hang(gamma: float, nodes: int = NODES) -> Shape:
     """The shape for a weight Γ, on the branch that grows out of the straight rod: the load is doubled up to it."""
-    space = interval(nodes)
-    twice = space.above @ space.below
+    places, weights, integral = collocation(nodes)
+    below = legendre.legvander(2 * places - 1, nodes) @ integral
+    twice = (weights - below) @ below
     angles = np.full(nodes, np.pi / 2)
     for load in (*2.0 ** np.arange(np.ceil(np.log2(gamma))), gamma):
-        pull = load * space.nodes
+        pull = load * places
         for _ in range(NEWTON):
             residual = angles - np.pi / 2 + twice @ (pull * np.sin(angles))
             angles = angles - np.linalg.solve(np.eye(nodes) + twice * (pull * np.cos(angles)), residual)
-    return Shape(space, angles)
+    return Shape(angles)
 
 
 @cache

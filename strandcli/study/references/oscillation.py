@@ -1,18 +1,18 @@
 """Small oscillations: frequencies and decay of a clamped beam, and of hair that swings as in a film.
 
-The exact modes are eigenproblems of integral operators, solved in double precision; those of a run are fitted.
+The exact modes are closed forms; those of a run are fitted.
 """
 
 from __future__ import annotations
 
 import math
-from collections.abc import Sequence
+from collections.abc import Callable, Sequence
 from dataclasses import dataclass
 from functools import cache
 
 import numpy as np
 
-from .base import Array, Case, Errors, G, Interval, Reference, Track, groom, interval, preset
+from .base import Array, Case, Errors, G, Reference, Track, groom, preset
 
 COUNT = 3
 """Modes that are compared."""
@@ -36,45 +36,48 @@ LET_GO = math.pi / 36
 class Modes:
     """The slowest modes of a strand of length 1."""
 
-    nodes: Interval
-    """In shares of the length from the root."""
     frequencies: Array
     """(m,) angular, ascending, in the problem's own unit."""
-    shapes: Array
-    """(n, m) displacements at the nodes; every column has a mean square of one, so that they are orthonormal."""
+    shapes: Callable[[Array], Array]
+    """Displacements (p, m) at places (p,) from the root, 0, to the tip, 1; of a mean square of one and orthogonal."""
 
     def shares(self, positions: Array) -> Array:
         """(T, m): how much of each mode is in displacements (T, p) at p even places from the root, 0, to the tip."""
         places = np.linspace(0, 1, positions.shape[1])
         weights = np.full(len(places), 1.0)
         weights[[0, -1]] = 0.5  # of the trapezoidal rule, and the masses of a strand's particles as well
-        shapes = self.nodes.at(self.shapes, places)
-        return np.asarray(positions @ (weights[:, None] * shapes) / (len(places) - 1))
+        return np.asarray(positions @ (weights[:, None] * self.shapes(places)) / (len(places) - 1))
 
 
 @cache
-def beam(count: int = COUNT, nodes: int = 48) -> Modes:
-    """Clamped at the root, free at the tip: w⁗ = ω² w in units of √(B / (ρ A L⁴)). The moment is the weight of all
-    beyond integrated twice from the tip, the displacement the curvature integrated twice from the root."""
-    space = interval(nodes)
-    return _modes(space, space.below @ space.below @ space.above @ space.above, count)
+def beam(count: int = COUNT) -> Modes:
+    """Clamped at the root, free at the tip: w⁗ = ω² w in units of √(B / (ρ A L⁴)); ω = β², cos β cosh β = −1."""
+    beta = np.asarray((np.arange(count) + 0.5) * math.pi, np.float64)
+    for _ in range(20):
+        beta -= (np.cos(beta) + 1 / np.cosh(beta)) / (-np.sin(beta) - np.tanh(beta) / np.cosh(beta))
+
+    def shapes(places: Array) -> Array:
+        x = places[:, None] * beta
+        sigma = (np.cosh(beta) + np.cos(beta)) / (np.sinh(beta) + np.sin(beta))
+        return np.asarray(np.cosh(x) - np.cos(x) - sigma * (np.sinh(x) - np.sin(x)))
+
+    return Modes(beta**2, shapes)
 
 
 @cache
-def chain(count: int = COUNT, nodes: int = 48) -> Modes:
-    """Hanging from its root without stiffness: (t u′)′ = −ω² u with t = 1 − s, in units of √(g / L). The slope is the
-    inertia of all that hangs below over its weight (Bernoulli 1733)."""
-    space = interval(nodes)
-    return _modes(space, space.below @ (space.above / (1 - space.nodes)[:, None]), count)
+def chain(count: int = COUNT) -> Modes:
+    """Hanging from its root without stiffness: (t u′)′ = −ω² u with t = 1 − s, in units of √(g / L); J₀(2 ω) = 0, and
+    u = J₀(2 ω √t) (Bernoulli 1733)."""
+    zeros = np.asarray((np.arange(count) + 0.75) * math.pi, np.float64)
+    for _ in range(20):
+        zeros += bessel(0, zeros) / bessel(1, zeros)
+    return Modes(zeros / 2, lambda places: bessel(0, np.sqrt(1 - places)[:, None] * zeros) / np.abs(bessel(1, zeros)))
 
 
-def _modes(space: Interval, inverse: Array, count: int) -> Modes:
-    """The greatest eigenvalues 1 / ω² of an operator that gives the displacement under a load."""
-    values, vectors = np.linalg.eig(inverse)
-    order = np.argsort(-values.real)[:count]
-    shapes = vectors[:, order].real
-    shapes /= np.sqrt(space.weights @ shapes**2)
-    return Modes(space, 1 / np.sqrt(values.real[order]), shapes)
+def bessel(order: int, x: Array) -> Array:
+    """J_n: the mean of cos(n θ − x sin θ)."""
+    theta = (np.arange(64) + 0.5) * math.pi / 64
+    return np.asarray(np.cos(order * theta - np.asarray(x)[..., None] * np.sin(theta)).mean(-1))
 
 
 def oscillation(times: Array, values: Array, guess: float, others: Sequence[Swing] = ()) -> Swing | None:

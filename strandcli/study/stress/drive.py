@@ -18,7 +18,7 @@ from ...scene.model import Scene, SphereSolid
 from ...scene.motion import emitter_pose, solid_pose
 from ...simulate import solver_of
 from ...simulate.health import RESIDUAL_MOST
-from .axes import Case
+from .matrix import Case
 from .scenes import groom_of, scene_of, times_of
 
 ROUNDING = float(np.sqrt(3.0) * np.finfo(np.float32).eps)

@@ -17,7 +17,7 @@ from numpy.typing import NDArray
 from ...groom.record import Groom
 from ...scene.model import Emitter, PoseKey, Rod, RuleUse, Scene, SphereSolid, Time
 from ...simulate.rules import registry
-from .axes import Case
+from .matrix import Case
 
 NOTHING = 1e-300
 """Zero in single precision, and yet no rule calls itself idle for it: all scenes of a solver then share one compiled
