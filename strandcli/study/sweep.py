@@ -12,7 +12,7 @@ from .motion import Motion
 from .pictures.frame import CoverageStudy, QualityStudy
 from .pictures.shadow import ShadowStudy
 from .points import Point, by_line, cheapest, described, orders, pareto
-from .references.experiment import References
+from .references import References
 
 AXES: Mapping[str, type[Experiment]] = {
     one.axis: one for one in (Motion, References, CoverageStudy, ShadowStudy, QualityStudy)

@@ -12,8 +12,7 @@ from strandcli.jit import function
 from strandcli.simulate.contact.kernels import contact_solve
 from strandcli.simulate.rod.kernels.arrays import PACK
 from strandcli.simulate.rod.solver import RodSolver
-from strandcli.study.references import incline
-from strandcli.study.references.experiment import track_of
+from strandcli.study.references import incline, track_of
 from tests.simulate.test_strand_contact import CROSS, RULE, Floats, laid_pair, strands
 
 PAIR = (

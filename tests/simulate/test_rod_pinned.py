@@ -13,8 +13,8 @@ from rod_kit import rod_of
 from strand_kit import require_same_after_restart, scene_of
 from strandcli.scene import SceneError
 from strandcli.simulate.rod.solver import RodSolver
+from strandcli.study.references import track_of
 from strandcli.study.references.base import Case, groom, preset
-from strandcli.study.references.experiment import track_of
 
 APART = 0.7
 """Distance of the ends of a strand of a metre."""

@@ -19,8 +19,7 @@ from strandcli.simd import load, store, vector_pointer
 from strandcli.simd.turning import cosine_sine
 from strandcli.simulate.advice import warnings
 from strandcli.simulate.rod.solver import RodSolver
-from strandcli.study.references import spring
-from strandcli.study.references.experiment import track_of
+from strandcli.study.references import spring, track_of
 
 
 @function

@@ -7,8 +7,7 @@ from dataclasses import replace
 import numpy as np
 import pytest
 
-from strandcli.study.references import Track, incline, layer, tuft
-from strandcli.study.references.experiment import scene_of, solver_for, track_of
+from strandcli.study.references import Track, incline, layer, scene_of, solver_for, track_of, tuft
 from tests.study.discs import settle
 
 

@@ -16,7 +16,7 @@ from strandcli.study import advice, axes, sweep
 from strandcli.study.axes import changed
 from strandcli.study.motion import Motion
 from strandcli.study.points import CELL, Point
-from strandcli.study.references.experiment import References
+from strandcli.study.references import References
 from study_kit import Synthetic, made
 
 

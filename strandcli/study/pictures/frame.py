@@ -21,7 +21,7 @@ from ...plan import checked_plan
 from ...scene.quality import LOOKS, QUALITIES, settings_for, shadowed
 from ..axes import Request, changed
 from ..points import Parameters, Point, grid
-from .experiment import Pictures
+from . import Pictures
 from .subject import Picture
 from .windows import Windows
 

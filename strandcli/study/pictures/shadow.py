@@ -22,7 +22,7 @@ from ...scene.model import DirectionalLight, Light, Scene
 from ..axes import Request, changed, knows
 from ..kernels import cylinders
 from ..points import Parameters
-from .experiment import Pictures
+from . import Pictures
 from .subject import Picture, Vertices
 
 PROBES = 400
@@ -148,7 +148,7 @@ def pieces_of(first: NDArray[np.integer], world: NDArray[np.float64], radii: NDA
 
 
 def frames_along(directions: NDArray[np.float64]) -> NDArray[np.float64]:
-    """(P, 3, 3): for each of ``directions`` (P, 3), as `draw.view.camera.axes`, two unit vectors across and one along."""
+    """(P, 3, 3): for each of ``directions`` (P, 3) two vectors across and one along, as `draw.view.camera.axes`."""
     along = directions / np.linalg.norm(directions, axis=1, keepdims=True)
     across = np.cross(along, (0.0, 1.0, 0.0))
     upright = np.linalg.norm(across, axis=1) < 1e-9
