@@ -201,7 +201,7 @@ def require_cluster(scene: Scene, address: str | None) -> None:
     """Raise `UsageError` where workers are asked for, and cannot draw a scene or be asked by this machine."""
     if address is None:
         return
-    from ..dask_cluster.connect import require_dask
+    from ..dask_cluster.cluster import require_dask
 
     if scene.panels:
         raise UsageError("--dask: a preset of several panels has several sets of positions; draw it without")
@@ -216,18 +216,18 @@ def frames_of_cluster(
 ) -> Iterator[Frame]:  # fmt: skip
     """Frames as they are done. ``threads``: processes of `local`, or threads of each worker elsewhere; ``settings``: of
     the simulation (see `pipeline.render`)."""
-    from ..dask_cluster import connect, run
+    from ..dask_cluster import cluster
     from ..dask_cluster.worker import Job
     from ..run import pipeline
     from ..run.fingerprint import fingerprint
     from ..run.frame import Frame
 
-    local = address == connect.LOCAL
+    local = address == cluster.LOCAL
     workers = min(threads or cores(), len(numbers), _fitting(scene, numbers))
     starting = f"starting {counted(workers, 'worker')}"
     notify(starting if local else f"connecting to {address}")
     job = Job(scene, fingerprint(scene), numbers, settings["keep_going"], 1 if local else threads)
-    needed = run.needed(scene, numbers)
+    needed = cluster.needed(scene, numbers)
     moved: Iterator[Frame]
     if positions is not None:
         moved = (Frame(number, None, positions(number), {}) for number in needed)
@@ -235,9 +235,9 @@ def frames_of_cluster(
         moved = pipeline.render(
             scene, needed, threads=threads, draw=False, keep_positions=True, notify=notify, warn=warn, **settings
         )
-    with connect.connected(address, workers, warn) as client:
+    with cluster.connected(address, workers, warn) as client:
         notify("")
-        yield from run.drawn(client, job, run.tasks_of(scene, numbers, moved), signals.check)
+        yield from cluster.drawn(client, job, cluster.tasks_of(scene, numbers, moved), signals.check)
 
 
 def _fitting(scene: Scene, numbers: tuple[int, ...]) -> int:

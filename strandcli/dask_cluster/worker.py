@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-import platform
 import threading
 from dataclasses import dataclass
 from typing import TYPE_CHECKING, Any
@@ -41,7 +40,6 @@ class _Drawn:
     def __init__(self, job: Job) -> None:
         """Raises `UsageError` where the files that the scene names are others here."""
         from ..compiling import runtime
-        from ..compiling.folder import cache
         from ..run.fingerprint import fingerprint
         from ..run.frame import FrameRenderer
         from ..run.stages import RunOptions, SimulationStage
@@ -59,14 +57,11 @@ class _Drawn:
             scene = completed(scene)
         self._threads = runtime.checked_threads(job.threads or _given_threads())
         self._files, self._positions = naming_files, dict[int, Any]()
-        self.trouble = cache.keeps_nothing
         with runtime.thread_count(self._threads), naming_files(scene):
-            self._moved = SimulationStage(scene, job.frames, self._position, RunOptions(keep_going=job.keep_going))
+            options = RunOptions(keep_going=job.keep_going)
+            self._moved = SimulationStage(scene, job.frames, lambda number: self._positions[number], options)
             self._renderer = FrameRenderer(self._moved)
         self._scene = scene
-
-    def _position(self, number: int) -> Any:
-        return self._positions[number]
 
     def __call__(self, task: Task) -> Frame:
         """Draw a frame."""
@@ -92,8 +87,6 @@ def _given_threads() -> int:
 
 ALIKE = ("strandcli",)
 """Of `facts`, what workers and the process that asks must have in common."""
-SHOULD = ("numba", "llvm", "numpy")
-"""What they should: last bits of pixels may depend on it."""
 
 
 @dataclass(frozen=True)
@@ -132,5 +125,4 @@ def facts() -> dict[str, str]:
         "numba": numba.__version__,
         "llvm": ".".join(str(part) for part in llvmlite.binding.llvm_version_info),
         "numpy": np.__version__,
-        "python": platform.python_version(),
     }

@@ -18,8 +18,7 @@ pytest.importorskip("distributed", reason="runs by `make dask`")
 
 from cli_runs import TINY, Runner, child, environment
 from strand_kit import frames_of, scene_of
-from strandcli.dask_cluster import connect, worker
-from strandcli.dask_cluster import run as running
+from strandcli.dask_cluster import cluster, worker
 from strandcli.dask_cluster.worker import Job, Task
 from strandcli.errors import RefusedError
 from strandcli.output import png
@@ -82,12 +81,12 @@ def test_a_scheduler_elsewhere(run: Runner, scheduler: str, monkeypatch: pytest.
     assert done.code == 0, done.err
     assert run("render", "tiny.yaml", "-f", "1-3", "-o", "plain", "--threads", 1).code == 0
     assert hashes(run.folder / "spread") == hashes(run.folder / "plain")
-    mine = connect.facts()
-    monkeypatch.setattr(connect, "facts_here", lambda: {**mine, "numba": "0.1"})
+    mine = cluster.facts()
+    monkeypatch.setattr(cluster, "facts", lambda: {**mine, "numba": "0.1"})
     warned = run("render", "tiny.yaml", "-f", "1", "-o", "warned", "--dask", scheduler)
     assert warned.code == 0
     assert f"has numba {mine['numba']}, and this machine 0.1; last bits of pixels may differ" in warned.err
-    monkeypatch.setattr(connect, "facts_here", lambda: {**mine, "strandcli": "0.0.1"})
+    monkeypatch.setattr(cluster, "facts", lambda: {**mine, "strandcli": "0.0.1"})
     refused = run("render", "tiny.yaml", "-f", "1", "-o", "refused", "--dask", scheduler)
     assert refused.code == 2
     assert "has strandcli" in refused.error()
@@ -96,7 +95,7 @@ def test_a_scheduler_elsewhere(run: Runner, scheduler: str, monkeypatch: pytest.
 
 @pytest.mark.parametrize("address", ["tcp://127.0.0.1:9", "nonsense", "nowhere://x"])
 def test_an_address_where_nobody_answers(address: str, run: Runner, monkeypatch: pytest.MonkeyPatch) -> None:
-    monkeypatch.setattr(connect, "PATIENCE", 1.0)
+    monkeypatch.setattr(cluster, "PATIENCE", 1.0)
     done = run("render", "tiny.yaml", "-f", "1", "--dask", address)
     assert done.code == 2, done.err
     assert f"--dask {address}: no scheduler answers there" in done.error()
@@ -108,14 +107,14 @@ def pieces(client: Any) -> tuple[Job, Iterator[Task], list[int]]:
     moved = pipeline.render(scene, FRAMES, threads=1, draw=False, keep_positions=True)
     return (
         Job(scene, fingerprint(scene), FRAMES, threads=1),
-        running.tasks_of(scene, FRAMES, moved),
+        cluster.tasks_of(scene, FRAMES, moved),
         [*client.run(os.getpid).values()],
     )
 
 
 def test_a_worker_that_is_killed_in_mid_work_costs_no_frame() -> None:
     warned: list[str] = []
-    with connect.connected("local", 2, warned.append) as client:
+    with cluster.connected("local", 2, warned.append) as client:
         job, tasks, processes = pieces(client)
 
         def killing() -> Iterator[Task]:
@@ -124,7 +123,7 @@ def test_a_worker_that_is_killed_in_mid_work_costs_no_frame() -> None:
                     os.kill(processes[0], signal.SIGKILL)
                 yield task
 
-        found = {frame.number: frame for frame in running.drawn(client, job, killing(), lambda: None)}
+        found = {frame.number: frame for frame in cluster.drawn(client, job, killing(), lambda: None)}
         assert processes[0] not in client.run(os.getpid).values()
     assert sorted(found) == list(FRAMES)
     for plain in frames_of(scene_of(TINY), *FRAMES):
@@ -139,11 +138,11 @@ def kill_oneself(job: Job, task: Task) -> None:
 
 
 def test_a_frame_that_kills_every_worker_is_given_up(monkeypatch: pytest.MonkeyPatch) -> None:
-    with connect.connected("local", 1, print) as client:
+    with cluster.connected("local", 1, print) as client:
         job, tasks, _ = pieces(client)
         monkeypatch.setattr(worker, "draw", kill_oneself)
         with pytest.raises(RefusedError, match=r"frame \d+: the last worker of several that died over it"):
-            list(running.drawn(client, job, tasks, lambda: None))
+            list(cluster.drawn(client, job, tasks, lambda: None))
 
 
 def test_what_ends_the_run_leaves_whole_frames_and_no_process(run: Runner) -> None:

@@ -11,8 +11,7 @@ import pytest
 
 from cli_runs import TINY, Runner
 from strand_kit import frames_of, scene_of
-from strandcli.dask_cluster import run as running
-from strandcli.dask_cluster import worker
+from strandcli.dask_cluster import cluster, worker
 from strandcli.dask_cluster.worker import Job, Task
 from strandcli.errors import UsageError
 from strandcli.run import pipeline
@@ -47,9 +46,9 @@ def test_what_goes_not_with_it_is_refused(preset: str, more: tuple[str, ...], wo
 
 def tasks(scene: Scene, numbers: tuple[int, ...]) -> tuple[Job, list[Task]]:
     """A run as it is handed to workers, which get copies of all."""
-    moved = pipeline.render(scene, running.needed(scene, numbers), threads=1, draw=False, keep_positions=True)
+    moved = pipeline.render(scene, cluster.needed(scene, numbers), threads=1, draw=False, keep_positions=True)
     job = Job(scene, fingerprint(scene), numbers, threads=1)
-    sent: tuple[Job, list[Task]] = pickle.loads(pickle.dumps((job, list(running.tasks_of(scene, numbers, moved)))))
+    sent: tuple[Job, list[Task]] = pickle.loads(pickle.dumps((job, list(cluster.tasks_of(scene, numbers, moved)))))
     return sent
 
 
