@@ -70,9 +70,11 @@ def command(
             warnings = [*plan.warnings, f"solids and meshes were not looked at: {runtime.NO_COMPILER}"]
     written = frame_bytes(plan.pixels, scene.image.aovs)
     if as_json:
+        from ..output.report import plan_stages
+
         sizes = plan.sizes and plan.sizes._asdict()
         more = {"warnings": warnings, "sizes": sizes, "frame_bytes": written, "time": time}
-        data = {**dataclasses.asdict(plan), **more}
+        data = {**dataclasses.asdict(plan), **(plan_stages(plan) or {}), **more}
         del data["parts"]
         print_json(data)
         return

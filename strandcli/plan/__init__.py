@@ -5,5 +5,5 @@ The decisions are those of the drivers, which use the same conditions.
 
 from ..common.limits import SHARE, available_memory
 from ..draw.shadows.shadow_model import needs_counts, needs_shadow_maps
-from .make import Plan, Stage, make_plan, pictures_that_fit
-from .require import checked_plan, require_memory
+from .decisions import Stage
+from .make import Plan, checked_plan, make_plan, pictures_that_fit, require_memory

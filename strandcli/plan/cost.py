@@ -10,8 +10,7 @@ from typing import TYPE_CHECKING
 
 from ..draw.shadows.shadow_model import casts_map, model_of, needs_counts, shining
 from ..scene.model import MeshShape
-from .crowding import pairs_of
-from .sizes import share_in_maps, side_of
+from .sizes import pairs_of, share_in_maps, side_of
 
 if TYPE_CHECKING:
     from ..scene.model import Scene

@@ -22,7 +22,7 @@ if TYPE_CHECKING:
     from ..scene.model import Followers, Scene
 
 
-class Decision(NamedTuple):
+class Stage(NamedTuple):
     """A stage of a run, the reason why it is run or left out, and which of the two."""
 
     stage: str
@@ -30,12 +30,12 @@ class Decision(NamedTuple):
     runs: bool = True
 
 
-def left_out(stage: str, why: str) -> Decision:
+def left_out(stage: str, why: str) -> Stage:
     """A stage that is not run."""
-    return Decision(stage, why, runs=False)
+    return Stage(stage, why, runs=False)
 
 
-def motion_decisions(scene: Scene, strands: int) -> Iterator[Decision]:
+def motion_decisions(scene: Scene, strands: int) -> Iterator[Stage]:
     """Yield the decisions on the stages of simulation; strands: number of simulated ones."""
     emitter = scene.emitter
     if strands < emitter.strands:
@@ -46,7 +46,7 @@ def motion_decisions(scene: Scene, strands: int) -> Iterator[Decision]:
         why = idle(use, scene)
         if use.name in OWN_OF.get(scene.solver, ()):
             why = "rod lengths are exact and rods bend by their material"
-        yield Decision(f"rule {use.name}", why or "the preset lists it", runs=not why)
+        yield Stage(f"rule {use.name}", why or "the preset lists it", runs=not why)
     for name in registry():
         if name not in listed:
             yield left_out(f"rule {name}", "the preset does not list it")
@@ -60,7 +60,7 @@ def motion_decisions(scene: Scene, strands: int) -> Iterator[Decision]:
     if scene.time.preroll == 0:
         yield left_out("pre-roll", "its time is zero")
     else:
-        yield Decision("pre-roll", f"{scene.time.preroll:g} s, {counted(_preroll_steps(scene), 'step')} before frame 1")
+        yield Stage("pre-roll", f"{scene.time.preroll:g} s, {counted(_preroll_steps(scene), 'step')} before frame 1")
 
 
 def solver_steps(scene: Scene, frames: Sequence[int]) -> int:
@@ -78,7 +78,7 @@ def _preroll_steps(scene: Scene) -> int:
     return round(scene.time.preroll * scene.time.fps * scene.time.substeps)
 
 
-def drawing_decisions(scene: Scene, strands: int, frames: Sequence[int]) -> Iterator[Decision]:
+def drawing_decisions(scene: Scene, strands: int, frames: Sequence[int]) -> Iterator[Stage]:
     """Yield the decisions on the stages of drawing some frames; strands: number of simulated ones."""
     yield from _groom(scene, strands)
     yield from _curves(scene)
@@ -91,53 +91,51 @@ def drawing_decisions(scene: Scene, strands: int, frames: Sequence[int]) -> Iter
     yield from _camera(scene)
 
 
-def _groom(scene: Scene, strands: int) -> Iterator[Decision]:
+def _groom(scene: Scene, strands: int) -> Iterator[Stage]:
     if scene.emitter.followers is not None:
         yield from _followers(scene.emitter.followers, strands, scene.emitter.particles)
     elif scene.children is None:
         yield left_out("children", "the strands that are simulated are drawn")
     else:
-        yield Decision("children", f"{counted(scene.drawn_strands, 'strand')} drawn about {strands:,}")
+        yield Stage("children", f"{counted(scene.drawn_strands, 'strand')} drawn about {strands:,}")
     if isinstance(scene.emitter.shape, MeshShape) and scene.emitter.groom is None:
         from ..groom.on_mesh import described
 
-        yield Decision("surface", described(scene.emitter.shape, scene.drawn_strands))
+        yield Stage("surface", described(scene.emitter.shape, scene.drawn_strands))
     tied = scene.emitter.tie is not None
     why = f"{TIED} points a strand from its root to the tie, which are not simulated"
-    yield Decision("combed parts", why if tied else "strands are not tied", runs=tied)
+    yield Stage("combed parts", why if tied else "strands are not tied", runs=tied)
 
 
-def _followers(followers: Followers, guides: int, particles: int) -> Iterator[Decision]:
+def _followers(followers: Followers, guides: int, particles: int) -> Iterator[Stage]:
     off = f"within {followers.deviation:.3g} m or {100 * followers.deviation_share:.2g} % of the length of the file's"
-    yield Decision("guides", f"{guides:,} of {followers.strands:,} strands, {particles} particles each, {off}")
+    yield Stage("guides", f"{guides:,} of {followers.strands:,} strands, {particles} particles each, {off}")
     fewer = "all" if followers.kept == followers.strands else f"{followers.kept:,} that level of detail draws"
-    yield Decision("followers", f"{fewer} of {followers.strands:,} strands follow up to 4 guides each")
+    yield Stage("followers", f"{fewer} of {followers.strands:,} strands follow up to 4 guides each")
     if followers.points == followers.file_points:
         yield left_out("fewer points", "all points of the file are drawn")
     else:
         why = f"{followers.points} of {followers.file_points} a strand are within {followers.tolerance_px:g} px of it"
-        yield Decision("fewer points", f"{why}, {followers.tolerance:.3g} m")
+        yield Stage("fewer points", f"{why}, {followers.tolerance:.3g} m")
 
 
-def _curves(scene: Scene) -> Iterator[Decision]:
+def _curves(scene: Scene) -> Iterator[Stage]:
     curves = scene.curves
     pieces = 2**curves.level
     if curves.mode in ("off", "thinned"):
         yield left_out("curves", "the preset draws straight segments")
     if curves.mode == "thinned":
-        yield Decision(
-            "fewer points", f"those within {curves.tolerance:g} px of the segment between others are left out"
-        )
+        yield Stage("fewer points", f"those within {curves.tolerance:g} px of the segment between others are left out")
     elif curves.mode == "fixed":
-        yield Decision("curves", f"each segment becomes {counted(pieces, 'piece')}")
+        yield Stage("curves", f"each segment becomes {counted(pieces, 'piece')}")
     else:
         enough = f"within {curves.tolerance:g} px, with at most {counted(pieces, 'piece')} a segment"
-        yield Decision("curves", enough)
+        yield Stage("curves", enough)
         if not needs_shadow_maps(scene):
             yield left_out("curves off the screen", "no shadow map needs them")
 
 
-def _shadows(scene: Scene) -> Iterator[Decision]:
+def _shadows(scene: Scene) -> Iterator[Stage]:
     lit = shining(scene)
     dark = len(scene.lights) - len(lit)
     if dark:
@@ -145,56 +143,56 @@ def _shadows(scene: Scene) -> Iterator[Decision]:
     maps = sum(casts_map(light, needs_counts(scene)) for light in lit)
     none = "there is no light" if not lit else ""
     if maps:
-        yield Decision("shadow maps", f"{maps} {'light casts' if maps == 1 else 'lights cast'} the strands' shadows")
+        yield Stage("shadow maps", f"{maps} {'light casts' if maps == 1 else 'lights cast'} the strands' shadows")
     else:
         yield left_out("shadow maps", none or "no light asks for one")
     for name in SHADOWS.names():
         lights = sum(light.shadow.model == name for light in lit)
         if (stage := SHADOWS[name].stage(lights)) is not None:
-            yield Decision(*stage) if lights else left_out(stage[0], none or "no light asks for them")
+            yield Stage(*stage) if lights else left_out(stage[0], none or "no light asks for them")
 
 
-def _fibre(scene: Scene) -> Iterator[Decision]:
+def _fibre(scene: Scene) -> Iterator[Stage]:
     material, lit = scene.material, shining(scene)
     if material.specular > 0 and lit:
         says = getattr(FIBRES[material.model], "plan", lambda material: "highlights are on")
-        yield Decision(f"{material.model} tables", says(material))
+        yield Stage(f"{material.model} tables", says(material))
     else:
         yield left_out(f"{material.model} tables", "material.specular is zero" if lit else "there is no light")
     if material.scatter != "dual":
         yield left_out("dual scattering", "material.scatter is the diffuse term")
     elif any(counts_strands(light) for light in lit):
-        yield Decision("dual scattering", "light goes from strand to strand under lights with opacity maps")
+        yield Stage("dual scattering", "light goes from strand to strand under lights with opacity maps")
     else:
         yield left_out("dual scattering", "no light has an opacity map to count strands by")
 
 
-def _surround(scene: Scene) -> Iterator[Decision]:
+def _surround(scene: Scene) -> Iterator[Stage]:
     if scene.environment is not None:
-        yield Decision("environment", "a picture lights strands and solids from all round")
+        yield Stage("environment", "a picture lights strands and solids from all round")
     grid = scene.ambient_occlusion
     if scene.occluded and grid is not None:
-        yield Decision("ambient occlusion", f"about {grid.cells:,} cells, light from {grid.directions} directions")
+        yield Stage("ambient occlusion", f"about {grid.cells:,} cells, light from {grid.directions} directions")
     else:
         none = "the preset has none" if grid is None else "there is no light from everywhere"
         yield left_out("ambient occlusion", none)
 
 
-def _things(scene: Scene) -> Iterator[Decision]:
+def _things(scene: Scene) -> Iterator[Stage]:
     material = scene.material
     varied = material.tip_colour is not None or material.colour_variation > 0 or material.grey > 0
-    yield Decision("colour variation", "strands differ" if varied else "all strands have one colour", runs=varied)
+    yield Stage("colour variation", "strands differ" if varied else "all strands have one colour", runs=varied)
     visible = sum(solid.visible for solid in scene.solids)
     drawn = f"{visible} to draw, to hide strands and to cast shadows"
-    yield Decision("solids", drawn if visible else "there are none to see", runs=visible > 0)
+    yield Stage("solids", drawn if visible else "there are none to see", runs=visible > 0)
     for place, solid in enumerate(scene.solids):
         if solid.kind == "mesh":
             from ..mesh_file.needs import described
 
-            yield Decision(f"solids.{place}", described(solid))
+            yield Stage(f"solids.{place}", described(solid))
 
 
-def _detail(scene: Scene, frames: Sequence[int]) -> Iterator[Decision]:
+def _detail(scene: Scene, frames: Sequence[int]) -> Iterator[Stage]:
     if scene.detail is None:
         yield left_out("level of detail", "the preset has none")
         return
@@ -202,38 +200,38 @@ def _detail(scene: Scene, frames: Sequence[int]) -> Iterator[Decision]:
     some = times[:: -(-len(times) // MOST_FRAMES) or 1] + times[-1:]
     least = min((share_bounds(scene, time)[0] for time in some), default=1.0)
     if least < 1:
-        yield Decision("level of detail", f"down to {least:.3g} of the strands where they are farthest")
+        yield Stage("level of detail", f"down to {least:.3g} of the strands where they are farthest")
     else:
         blind = scene.detail.near is None and scene.material.width == 0
         why = "lines have no width, and no near is given" if blind else "every frame is near"
         yield left_out("level of detail", why)
 
 
-def _coverage(scene: Scene) -> Iterator[Decision]:
+def _coverage(scene: Scene) -> Iterator[Stage]:
     sorts = scene.image.resolver != "zbuffer"
     held = f"at most {FRAGMENTS:,} fragments at once, {FRAGMENTS * FRAGMENT_BYTES / 1e6:,.0f} MB"
     all_strands = f"all strands of a pixel by depth; {held}"
-    yield Decision("coverage", all_strands if sorts else "each sample shows the nearest strand", runs=sorts)
+    yield Stage("coverage", all_strands if sorts else "each sample shows the nearest strand", runs=sorts)
     if scene.material.width == 0:
         yield left_out("body", "material.width is zero: lines are a pixel wide")
     else:
-        yield Decision("body", "true widths" if sorts else "where a strand is wider than a pixel")
+        yield Stage("body", "true widths" if sorts else "where a strand is wider than a pixel")
     samples = scene.image.supersample
     several = f"{samples} x {samples} samples a pixel"
-    yield Decision("supersampling", several if samples > 1 else "one sample a pixel", runs=samples > 1)
-    yield Decision("shading", "only vertices of segments that are seen")
+    yield Stage("supersampling", several if samples > 1 else "one sample a pixel", runs=samples > 1)
+    yield Stage("shading", "only vertices of segments that are seen")
 
 
-def _camera(scene: Scene) -> Iterator[Decision]:
+def _camera(scene: Scene) -> Iterator[Stage]:
     camera = scene.camera
     times = f"{counted(camera.samples, 'picture')} a frame"
     sharp, still = camera.aperture == 0, camera.shutter == 0
-    yield Decision("depth of field", "the camera is a pinhole" if sharp else times, runs=not sharp)
-    yield Decision("motion blur", "the shutter is not open" if still else times, runs=not still)
+    yield Stage("depth of field", "the camera is a pinhole" if sharp else times, runs=not sharp)
+    yield Stage("motion blur", "the shutter is not open" if still else times, runs=not still)
     why = "image.background is none, with or without horizon" if scene.image.has_alpha else "there is a background"
-    yield Decision("alpha", why, runs=scene.image.has_alpha)
+    yield Stage("alpha", why, runs=scene.image.has_alpha)
     layers = scene.image.aovs
-    yield Decision("layers", ", ".join(layers) or "image.aovs is empty", runs=bool(layers))
+    yield Stage("layers", ", ".join(layers) or "image.aovs is empty", runs=bool(layers))
 
 
 THIN = 0.7

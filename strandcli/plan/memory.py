@@ -11,8 +11,7 @@ from ..draw.shadows.shadow_model import ShadowModel, casts_map, counts_strands, 
 from ..scene.model import MeshShape
 from ..scene.model.emitter import TIED
 from ..simulate.rod import needs_double, shortest_segment
-from .crowding import grid_bytes, pairs_of
-from .sizes import map_rows, share_in_maps, side_of
+from .sizes import grid_bytes, map_rows, pairs_of, share_in_maps, side_of
 
 if TYPE_CHECKING:
     from ..scene.model import Scene

@@ -20,8 +20,7 @@ from strandcli.groom.blocks import arranged
 from strandcli.groom.emit import emit
 from strandcli.plan import available_memory, checked_plan, make_plan
 from strandcli.plan import make as making
-from strandcli.plan import require as planning
-from strandcli.plan.crowding import grid_bytes
+from strandcli.plan.sizes import grid_bytes
 from strandcli.simulate.rod import needs_double, shortest_segment
 from strandcli.simulate.rod.solver import RodSolver
 from tests.run.test_pipeline_extremes import EVERYTHING
@@ -63,7 +62,7 @@ def test_more_than_four_fifths_of_what_is_free_is_refused_with_what_fits(monkeyp
     scene = scene_of(EVERYTHING.replace("strands: 80", "strands: 2000000").replace("[40, 32]", "[4000, 3200]"))
     plan = make_plan(scene, [1])
     free = [plan.memory_bytes / 0.8, None, plan.memory_bytes / 0.8 - 2]
-    monkeypatch.setattr(planning, "available_memory", lambda: free.pop(0))
+    monkeypatch.setattr(making, "available_memory", lambda: free.pop(0))
     checked_plan(scene, [1])
     checked_plan(scene, [1])  # nobody tells
     with pytest.raises(RefusedError, match=r"more than 80 % of the \d\.\d GB that are free: take") as caught:

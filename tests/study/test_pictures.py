@@ -164,7 +164,7 @@ def test_what_is_set_by_hand_is_not_turned_and_what_does_not_fit_is_refused(run:
 
 
 def test_what_memory_cannot_hold_is_refused_before_anything_runs(run: Runner, monkeypatch: pytest.MonkeyPatch) -> None:
-    monkeypatch.setattr("strandcli.plan.require.available_memory", lambda: 10**8)
+    monkeypatch.setattr("strandcli.plan.make.available_memory", lambda: 10**8)
     for words in (("study", "brush.yaml", "--axis", "coverage"), ("bench", "--strands", "100000000")):
         done = run(*words)
         assert done.code == 4
