@@ -13,9 +13,8 @@ import numpy.typing as npt
 from PIL import Image
 
 import groom_file_kit as kit
-from strandcli.dataset.order import layout_of, scene_for
 from strandcli.dataset.run import Order, Talk, make
-from strandcli.dataset.views import Chance
+from strandcli.dataset.views import Chance, layout_of, scene_for
 
 Floats = npt.NDArray[np.float64]
 SIZE = (64, 64)

@@ -66,8 +66,7 @@ def command(
     from ..cameras.pinhole import UP
     from ..cameras.read import Views, views_of
     from ..dataset import run as sets
-    from ..dataset.order import layout_of, names_of, numbers_for, scene_for, size_for
-    from ..dataset.views import EACH, ONE, Chance
+    from ..dataset.views import EACH, ONE, Chance, layout_of, names_of, numbers_for, scene_for, size_for
     from ..plan import checked_plan
 
     kind = layout_of(layout)

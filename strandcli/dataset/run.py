@@ -21,12 +21,11 @@ from ..output.claim import Claim
 from ..output.files import prepare_folder, read_json, refusal, refuse_present, require_own, write_json, write_pieces
 from ..output.report import finite
 from ..run.fingerprint import fingerprint
-from .layout import Layout
+from .layout import Labels, Layout
 from .views import Chance, camera_of, lit
 
 if TYPE_CHECKING:
     from ..scene.model import Scene
-    from .labels import Labels
     from .studio import Studio
 
 BYTES_A_PIXEL = 14
@@ -44,7 +43,7 @@ class Order:
     label: str
     """The groom as it was typed."""
     scene: Scene
-    """As `order.scene_for` makes it."""
+    """As `views.scene_for` makes it."""
     folder: Path
     layout: Layout
     views: Sequence[int]
@@ -92,7 +91,7 @@ def make(order: Order, threads: int | None, talk: Talk) -> dict[str, Any]:
     for part in {Path(path).parent for path in (*layout.paths, f"{FOLDER}/0")}:
         prepare_folder(folder / part, 0)
     if not wanted and (folder / OWN).exists():
-        return _listed(order, made)
+        return write_manifest(order, finished(folder, made))
     claim = Claim(folder, FOLDER, wanted)
     try:
         return _drawn(order, wanted, made, threads, talk)
@@ -116,7 +115,7 @@ def _drawn(order: Order, wanted: Sequence[int], made: str, threads: int | None, 
             entries = finished(order.folder, made)
             if entries:
                 _write_index(order, studio, entries)
-            data = write_manifest(order.folder, _facts(order), entries)
+            data = write_manifest(order, entries)
     finally:
         service.stop_ahead()
     return data
@@ -183,26 +182,8 @@ def _write_index(order: Order, studio: Studio, entries: Sequence[dict[str, Any]]
             raise refusal(error, place) from error
 
 
-def _facts(order: Order) -> dict[str, Any]:
-    """The head of dataset.json."""
-    return {
-        "layout": order.layout.name,
-        "groom": order.label,
-        "frame": order.frame,
-        "seed": order.chance.seed,
-        "world": "metres, y up",
-        "pixels": "from the upper left corner of the picture; the middle of the first is (0.5, 0.5)",
-    }
-
-
-def _listed(order: Order, made: str) -> dict[str, Any]:
-    """What dataset.json holds where nothing had to be drawn."""
-    return write_manifest(order.folder, _facts(order), finished(order.folder, made))
-
-
-FOLDER = "views"
-KEY = "made_from"
-"""Fingerprint of all that a view depends on but its number."""
+FOLDER, KEY = "views", "made_from"
+"""Of the entries of views; and what in each is the fingerprint of all that it depends on but its number."""
 
 
 def name_of(view: int) -> str:
@@ -257,8 +238,13 @@ def wanted_views(
     return wanted
 
 
-def write_manifest(folder: Path, facts: dict[str, Any], entries: Sequence[dict[str, Any]]) -> dict[str, Any]:
+def write_manifest(order: Order, entries: Sequence[dict[str, Any]]) -> dict[str, Any]:
     """Write dataset.json; returns what it holds."""
-    data = {"strandcli": __version__, **facts, "views": [{k: v for k, v in one.items() if k != KEY} for one in entries]}
-    write_json(folder / OWN, data)
+    data = {
+        "strandcli": __version__, "layout": order.layout.name, "groom": order.label, "frame": order.frame,
+        "seed": order.chance.seed, "world": "metres, y up",
+        "pixels": "from the upper left corner of the picture; the middle of the first is (0.5, 0.5)",
+        "views": [{key: value for key, value in one.items() if key != KEY} for one in entries],
+    }  # fmt: skip
+    write_json(order.folder / OWN, data)
     return data

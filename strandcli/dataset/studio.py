@@ -15,8 +15,7 @@ from ..constants import W
 from ..draw.common.drawing import Drawing
 from ..draw.renderer import Renderer, shadows_of_any_view
 from ..run.stages import Notify, RunOptions, SimulationStage
-from .labels import Labels, labels_of
-from .layout import Cloud
+from .layout import Cloud, Labels, labels_of
 
 if TYPE_CHECKING:
     from ..draw.common.scratch import Scratch

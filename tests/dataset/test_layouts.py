@@ -12,8 +12,8 @@ import pytest
 
 import dataset_kit as kit
 from strandcli.cameras.pinhole import Pinhole, from_dict
-from strandcli.dataset import labels as orientation
-from strandcli.dataset.labels import directions
+from strandcli.dataset import layout as orientation
+from strandcli.dataset.layout import directions
 from strandcli.dataset.studio import Studio
 
 WIDE = {"material.width": 0.12, "material.taper": 0}

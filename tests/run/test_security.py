@@ -15,7 +15,7 @@ from hypothesis import strategies as st
 
 from cli_runs import ROOT, TINY, Runner
 from strandcli.cli.sweep import Axis, points
-from strandcli.dataset.order import names_of
+from strandcli.dataset.views import names_of
 
 PAGE = (ROOT / "SECURITY.md").read_text(encoding="utf-8")
 UNPICKLING = {"compiling/worker.py", "compiling/service.py", "jit/cache.py"}

@@ -5,7 +5,7 @@ Sources: eth-ait/GaussianHaircut, run.sh, src/utils/camera_utils.py (`loadCam`),
 preprocess_synthetic_scene.py.
 
 Masks are 0 and 255; that of the body is of the whole person, hair too. Orientations are those of
-`strandcli.dataset.labels`. Training reads ``images_2``, ``masks_2`` and ``orientations_2``, which here are links
+`strandcli.dataset.layout`. Training reads ``images_2``, ``masks_2`` and ``orientations_2``, which here are links
 to the folders without the number. It reads the angle of view alone and takes the principal point to be the middle of
 the picture, and wants points to begin with.
 """
@@ -17,8 +17,7 @@ from collections.abc import Sequence
 from ...cameras import colmap
 from ...cameras.pinhole import Pinhole
 from ...output import png
-from ..labels import Labels, angles, variances
-from ..layout import Cloud, Layout, Pieces, mask_png, npy
+from ..layout import Cloud, Labels, Layout, Pieces, angles, mask_png, npy, variances
 
 FOLDER = "sparse/0"
 

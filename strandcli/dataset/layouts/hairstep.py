@@ -24,8 +24,7 @@ from numpy.typing import NDArray
 
 from ...cameras.pinhole import Pinhole
 from ...output import png
-from ..labels import Labels
-from ..layout import Cloud, Layout, Pieces, mask_png, npy
+from ..layout import Cloud, Labels, Layout, Pieces, mask_png, npy
 
 ORTHO_RATIO = 0.2
 """As in all of HairStep's cameras."""

@@ -19,8 +19,7 @@ from ... import __version__
 from ...cameras import transforms
 from ...cameras.pinhole import Pinhole
 from ...output import png
-from ..labels import Labels
-from ..layout import Cloud, Layout, Pieces, mask_png, npy
+from ..layout import Cloud, Labels, Layout, Pieces, mask_png, npy
 
 MILLI = 1000.0
 IMAGE, DEPTH, HAIR, BODY = "images/{}.png", "depths/{}.npy", "masks/hair/{}.png", "masks/body/{}.png"

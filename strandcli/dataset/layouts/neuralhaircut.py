@@ -16,8 +16,7 @@ from collections.abc import Sequence
 from ...cameras import transforms
 from ...cameras.pinhole import Pinhole
 from ...output import png
-from ..labels import Labels, angles, variances
-from ..layout import Cloud, Layout, Pieces, mask_png, npy
+from ..layout import Cloud, Labels, Layout, Pieces, angles, mask_png, npy, variances
 
 MARGIN = 1.1
 """By which NeuralHaircut's script divides the farthest point's distance: that comes to lie at 1.1."""
