@@ -78,19 +78,6 @@ def test_only_what_moves_strands_begins_anew(place: Path) -> None:
     assert len(list(place.glob("first-frame-*.arrays"))) == 4
 
 
-def test_a_damaged_state_is_made_again(place: Path) -> None:
-    scene = scene_of()
-    plain, whole = run(scene, [1], Checkpoints(None))
-    (path,) = place.glob("first-frame-*.arrays")
-    data = bytearray(path.read_bytes())
-    data[-100] ^= 1
-    path.write_bytes(data)
-    again, simulated = run(scene, [1], Checkpoints(None))
-    assert simulated == whole
-    alike(plain, again)
-    assert run(scene, [1], Checkpoints(None))[1] == 0
-
-
 def test_a_scene_without_preroll_and_a_short_one_leave_nothing(place: Path, monkeypatch: pytest.MonkeyPatch) -> None:
     run(scene_of(**{"time.preroll": 0}), [1, 2], Checkpoints(None))
     monkeypatch.setattr(first_frame, "LEAST", 1e9)

@@ -20,6 +20,7 @@ SCENES: dict[str, dict[str, Any]] = {
     "rules": {},
     "substeps": {"time.substeps": 3},
     "a loop": {"time.loop": True, "time.frames": 12},
+    "steps that vary": {"time.jitter": 0.5},
 }
 
 

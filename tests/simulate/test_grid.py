@@ -176,15 +176,6 @@ def test_pressure_solves_the_complementarity_problem(wide: int) -> None:
     assert np.abs(left[held & (mine > 0)]).max() < 1e-4
 
 
-def test_one_strand_of_an_emitter_a_thousand_kilometres_wide() -> None:
-    solver = rod_of(
-        "emitter: {shape: {kind: disc, radius: 1.0e+6}, strands: 1, particles: 5, length: 1000}\n"
-        "rules: [gravity, interaction: {}]"
-    )
-    solver.advance(3)
-    assert solver.errors(3)["nonfinite"] == 0
-
-
 @pytest.mark.parametrize(
     ("rule", "message"),
     [

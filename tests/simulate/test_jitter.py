@@ -45,14 +45,6 @@ def test_a_step_asks_its_rules_for_its_own_length() -> None:
     assert fallen == pytest.approx(9.81 * (one._stretched(1.0, 1 / 24) / 24) ** 2, rel=1e-3)
 
 
-def test_announced_steps_are_the_same() -> None:
-    ahead, plain = solver_of(scene(0.5)), solver_of(scene(0.5))
-    plain.announce = lambda ends, dt: None  # type: ignore[method-assign]
-    for one in (ahead, plain):
-        one.advance(12)
-    assert np.array_equal(ahead.positions, plain.positions)
-
-
 def test_rods_say_that_they_ignore_it() -> None:
     rods = strandcli.load("headline", settings={"solver": "rod", "time.jitter": 0.5, "emitter.strands": 4})
     assert any(words.startswith("time.jitter: ignored") for words in warnings(rods, emit(rods.emitter, 0)))

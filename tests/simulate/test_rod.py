@@ -11,7 +11,6 @@ import strandcli
 from rod_kit import each_step, take_steps
 from strand_kit import groom_of, scene_of
 from strandcli.compiling import runtime
-from strandcli.errors import UsageError
 from strandcli.groom.emit import emit
 from strandcli.simulate import advice
 from strandcli.simulate.rod import solver as rod_solver
@@ -128,15 +127,6 @@ def test_nothing_is_compiled_for_strands_that_do_not_move(monkeypatch: pytest.Mo
     with pytest.raises(NotImplementedError):
         solver.advance(2)
     assert asked == ["float64"]
-
-
-def test_rules_of_other_packages_are_refused_by_name() -> None:
-    from strandcli.scene.model import RuleUse
-
-    one = scene(10.0)
-    object.__setattr__(one, "rules", (*one.rules, RuleUse("vortex", None, "vortex")))
-    with pytest.raises(UsageError, match=r"vortex.*solver: thesis"):
-        solver_of(one)
 
 
 def test_long_strands_are_as_exact_as_short_ones(monkeypatch: pytest.MonkeyPatch) -> None:

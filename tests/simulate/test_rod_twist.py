@@ -126,15 +126,6 @@ def test_ringlets_that_are_swung_hardly_depend_on_the_step() -> None:
     assert np.abs(fine - swung(512)).max() < 0.7 * np.abs(coarse - fine).max()
 
 
-def test_strands_of_every_pack_are_moved() -> None:
-    solver = rod_of(
-        "emitter: {strands: 40, particles: 6, curl_angle: 30, curl_turns: 1, rotation: [90, 0, 0]}\nrules: [gravity]\n"
-    )
-    start = solver.particles().copy()
-    solver.advance(2)
-    assert np.abs(solver.particles() - start).max(axis=(1, 2)).min() > 1e-4
-
-
 def test_curls_of_few_segments_a_turn_are_warned_of() -> None:
     def told(particles: int, rest: str, angle: int) -> list[str]:
         scene = scene_of(

@@ -88,21 +88,6 @@ def test_elasticity_never_hides_that_a_particle_flew_off() -> None:
     assert solver.errors(1)["nonfinite"] > 0
 
 
-def test_wind_of_no_strength_moves_nothing() -> None:
-    for rules in ("wind: {strength: 0}", "wind: {strength: 0, gust: 1, wavelength: 1}"):
-        scene = scene_of(SCENE % f"{rules}, elasticity")
-        assert np.abs(moved(scene, 3) - moved(scene, 1)).max() < 1e-6
-
-
-def test_a_gust_that_ebbs_to_nothing_gives_numbers() -> None:
-    """With gust 1 and the factor at -1 the wind's size is zero in the middle of a run."""
-    scene = scene_of(ONE % (3, 0.5, [0, 1, 0], "wind: {gust: 1, sway: 90, period: 0.3}"))
-    solver = solver_of(scene, plain=True)
-    for frame in range(1, 30):
-        solver.advance(frame)
-        assert np.isfinite(solver.particles()).all()
-
-
 @pytest.mark.parametrize("name", ["ball", "arm", "ground", "crate"])
 def test_no_particle_stays_inside_a_solid_and_outside_nothing_moves(name: str) -> None:
     scene = scene_of(SCENE % f"collision: {{with: {name}}}")

@@ -88,15 +88,3 @@ solids: [{kind: sphere, radius: 0.4}]
     before = solver.particles()
     solver.step(0.0, 0.1)
     assert np.abs(solver.particles() - before).max() < 1e-6
-
-
-def test_numbers_stay_numbers_where_everything_coincides() -> None:
-    """Parent, particle and the solid's centre in one place."""
-    for solid in SOLIDS.values():
-        scene = scene_of(ACROSS % (0.0, 0.0, "collision: {segments: true}, elasticity", solid))
-        solver = solver_of(scene, plain=True)
-        solver.positions[:] = 0
-        for _ in range(3):
-            solver.step(0.0, 0.1)
-        assert np.isfinite(solver.particles()).all()
-        assert depth(solver.particles()[:, 1:], scene.solids[0], scene.emitter, 0.0).max() < 4

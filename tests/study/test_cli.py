@@ -69,15 +69,6 @@ def test_what_is_set_by_hand_is_not_turned(run: Runner) -> None:
     assert point["parameters"] == {"solver": "thesis", "emitter.particles": 7, "time.substeps": 3}
 
 
-def test_json_stands_alone_on_stdout(run: Runner) -> None:
-    done = run("study", "falling.yaml", *QUICK, "--json", "-q")
-    assert done.code == 0
-    assert done.err == ""
-    data = json.loads(done.out)
-    assert {"axis", "reference", "points", "recommended"} <= set(data)
-    assert Path("out/study/falling.csv").exists()
-
-
 def test_no_setting_under_an_error_is_exit_code_3(run: Runner) -> None:
     done = run("study", "falling.yaml", *QUICK, "--max-error", "0.01", "-q")
     assert done.code == 3

@@ -10,7 +10,7 @@ from hypothesis import given
 from hypothesis import strategies as st
 
 from strandcli.study.motion import apart, resample
-from strandcli.study.points import Point, cheapest, fitted_order, grid, limit, orders, pareto
+from strandcli.study.points import Point, cheapest, fitted_order, limit, orders, pareto
 
 COSTS = st.floats(1e-6, 1e3)
 ERRORS = st.one_of(st.none(), st.floats(0, 10), st.just(float("nan")))
@@ -111,11 +111,6 @@ def test_runs_that_do_not_draw_together_have_no_limit() -> None:
     assert limit(0.0, 0.0).uncertainty == 0
     assert limit(1e-8, 1e-7, noise=1e-6).converges
     assert not limit(math.inf, math.inf).converges
-
-
-def test_grids_hold_every_combination() -> None:
-    assert grid({"a": (1, 2), "b": (3,)}) == [{"a": 1, "b": 3}, {"a": 2, "b": 3}]
-    assert grid({}) == [{}]
 
 
 @given(st.integers(2, 12), st.integers(2, 40), st.integers(0, 2**32 - 1))

@@ -20,13 +20,6 @@ from strandcli.study.references import References
 from study_kit import Synthetic, made
 
 
-def test_orders_of_a_synthetic_solver_are_found() -> None:
-    found = {(one["line"], one["in"]): one["order"] for one in made().orders if one["metric"] == "tip"}
-    assert found["one", "dt"] == pytest.approx(1)
-    assert found["two", "dt"] == pytest.approx(2)
-    assert found["two", "segment"] == pytest.approx(2)
-
-
 def test_every_run_is_counted() -> None:
     steps: list[str] = []
     totals: list[int] = []
@@ -57,15 +50,6 @@ def test_without_an_error_a_ladder_is_climbed() -> None:
     assert len(settings) == len(set(settings))
 
 
-def test_json_has_the_documented_keys() -> None:
-    data = json.loads(json.dumps(made(0.1).as_dict()))
-    assert {"axis", "reference", "points", "recommended"} <= set(data)
-    assert {"parameters", "seconds", "error", "pareto"} <= set(data["points"][0])
-    assert {"max_error", "parameters", "seconds"} <= set(data["recommended"][0])
-    assert data["not_represented"] == [{"solver": "thesis", "why": "not represented: inertia"}]
-    assert any(point["pareto"] for point in data["points"])
-
-
 def test_the_registry_has_every_axis_by_its_name() -> None:
     assert {"motion", "reference"} <= set(sweep.AXES)
     for name, axis in sweep.AXES.items():
@@ -74,15 +58,6 @@ def test_the_registry_has_every_axis_by_its_name() -> None:
         sweep.find("colour")
     with pytest.raises(UsageError, match="solvers are"):
         axes.chosen_solvers(axes.Request(solvers=("mass_spring",)))
-
-
-def test_solvers_that_cannot_are_told_and_not_run() -> None:
-    opened = References(axes.Request(name="swing"))
-    assert [one["solver"] for one in opened.absent] == ["thesis"]
-    assert {parameters["solver"] for parameters in opened.settings()} == {"rod"}
-    spring = References(axes.Request(name="spring", solvers=("thesis",)))
-    assert spring.settings() == []
-    assert all("not represented" in one["why"] and "twist" in one["why"] for one in spring.absent)
 
 
 def test_parameters_can_be_chosen() -> None:
@@ -192,13 +167,6 @@ def test_rules_that_rods_do_not_take_are_told() -> None:
     opened = Motion(axes.Request(scene=scene, name="odd", solvers=("rod",)))
     assert [one["solver"] for one in opened.absent] == ["rod"]
     assert "vortex" in opened.absent[0]["why"]
-
-
-def test_parameters_change_nothing_else() -> None:
-    scene = scene_of(HANGING)
-    other = changed(scene, {"solver": "rod", "time.substeps": 5, "emitter.particles": 9})
-    assert (other.solver, other.time.substeps, other.emitter.particles) == ("rod", 5, 9)
-    assert changed(other, {"solver": "thesis", "time.substeps": 1, "emitter.particles": 5}) == scene
 
 
 def data(margin: float | None) -> dict[str, Any]:

@@ -5,7 +5,7 @@ from __future__ import annotations
 import numpy as np
 
 from ...jit import device, parallel, prange
-from ...jit.search import first_above
+from ...jit.indices import first_above
 
 HALVINGS = 30
 """Of a piece, whose halves are 2⁻³⁰ of it in the end."""

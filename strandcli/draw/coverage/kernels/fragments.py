@@ -8,7 +8,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from ....jit import device, inlined
-from ....jit.search import first_not_below
+from ....jit.indices import first_not_below
 from ....simd import half_width_pointer, load, pointer, prefetch, store
 from ...common.kernels.numbers import HALF, ONE, STEPS, ZERO
 from . import cells

@@ -12,7 +12,7 @@ import numpy as np
 
 from ....constants import W
 from ....jit import device, inlined, parallel, prange
-from ....jit.balance import places, task_at
+from ....jit.indices import places, task_at
 from ....simd import floor, lane_count, load, pointer, store3
 from ...common.kernels import batch as row
 from ...common.kernels.approximations import exp

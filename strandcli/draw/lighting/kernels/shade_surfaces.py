@@ -10,7 +10,7 @@ import numpy as np
 
 from ....constants import W
 from ....jit import device, inlined, parallel, prange
-from ....jit.balance import places, task_at
+from ....jit.indices import places, task_at
 from ....solids.kernels import other
 from ...common.kernels.batch import RADIANCE, vector_at
 from ...common.kernels.keys import EMPTY, FIRST, LOW
