@@ -46,9 +46,9 @@ def check(
     """Draw the images of DIR, or only those called NAME, and compare; a mismatch ends in exit code 3."""
     from ..compiling import runtime
     from ..output.files import prepare_folder, write_pieces
-    from ..study import golden, golden_list
+    from ..study import golden
 
-    entries = golden_list.select(golden_list.read_entries(directory), names)
+    entries = golden.select(golden.read_entries(directory), names)
     if xml is not None:
         prepare_folder(xml.parent, 0)
     output = output or Path(tempfile.gettempdir()) / "golden-diff"
@@ -83,10 +83,10 @@ def update(directory: Path, names: tuple[str, ...], threads: int | None, talk: T
     """Make what is drawn now the golden images of DIR, or only those called NAME. Look at them before you commit."""
     from ..compiling import runtime
     from ..output.files import prepare_folder
-    from ..study import golden, golden_list
+    from ..study import golden
 
-    listed = golden_list.read_entries(directory)
-    entries = golden_list.select(listed, names)
+    listed = golden.read_entries(directory)
+    entries = golden.select(listed, names)
     prepare_folder(directory, 0)
     changes: dict[str, str] = {}
     with talk.progress(len(entries), "golden update") as progress:

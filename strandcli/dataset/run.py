@@ -16,7 +16,7 @@ from .. import __version__
 from ..cameras import usd
 from ..cameras.pinhole import UP, Pinhole, from_dict, of_camera, to_camera
 from ..cameras.read import OWN
-from ..errors import UsageError
+from ..errors import StrandError, UsageError
 from ..output.claim import Claim
 from ..output.files import prepare_folder, read_json, refusal, refuse_present, require_own, write_json, write_pieces
 from ..output.report import finite
@@ -198,7 +198,7 @@ def entry_file(folder: Path, view: int) -> Path:
 
 def entry_of(folder: Path, view: int) -> dict[str, Any] | None:
     """What is known of a view whose files are all there; None where one is missing."""
-    with suppress(OSError, ValueError, KeyError, TypeError):
+    with suppress(StrandError, KeyError, TypeError):
         entry = read_json(entry_file(folder, view))
         if isinstance(entry[KEY], str) and all((folder / one).is_file() for one in entry["files"]):
             return dict(entry)

@@ -87,11 +87,11 @@ def examine() -> Iterator[Finding]:
 def draw() -> dict[str, Any]:
     """Draw the picture in this process; returns what `told` tells."""
     from ..compiling import runtime
-    from ..study import golden, golden_list
+    from ..study import golden
 
     start = time.perf_counter()
     runtime.start()
-    (entry,) = golden_list.read_entries(GOLDEN)
+    (entry,) = golden.read_entries(GOLDEN)
     with tempfile.TemporaryDirectory() as folder:
         result = golden.check(GOLDEN, entry, Path(folder), functools.partial(golden.draw, threads=None))
     return {

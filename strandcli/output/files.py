@@ -13,7 +13,6 @@ import os
 import re
 import shutil
 import socket
-import stat
 import struct
 import time
 import tokenize
@@ -24,8 +23,8 @@ from contextlib import contextmanager, suppress
 from pathlib import Path
 from typing import Any, BinaryIO
 
-from ..errors import RefusedError, UsageError
-from ..files.inputs import READ
+from ..errors import RefusedError, StrandError, UsageError, said
+from ..files.inputs import content, unrecorded
 
 _TEMPORARY = re.compile(r"\..+\.(?P<host>[^.]+)\.(?P<pid>[0-9]+)\.tmp(\.\w+)?")
 _DAY = 86_400.0
@@ -114,17 +113,14 @@ LARGEST_JSON = 1 << 30
 """Bytes of a JSON file that is read: a report of a million frames has about that."""
 
 
+@unrecorded()
 def read_json(path: Path) -> Any:
-    """The data of a JSON file. Raises ``OSError`` where it cannot be read, and ``ValueError`` where it is no JSON, too
-    large, or no file but a pipe or a device, of which nothing is read."""
-    with open(os.open(path, READ), "rb") as file:
-        found = os.fstat(file.fileno())
-        if not stat.S_ISREG(found.st_mode):
-            raise ValueError("no file but a pipe or a device")
-        text = file.read(min(found.st_size, LARGEST_JSON) + 1)  # which takes memory for as many bytes as it may read
-    if len(text) > LARGEST_JSON:
-        raise ValueError(f"larger than {megabytes(LARGEST_JSON)}")
-    return json_of(text)
+    """The data of a JSON file. Raises `UsageError` where there is none, or what is no JSON, too large, or no file but a
+    pipe or a device, of which nothing is read, and `RefusedError` where it may not be read."""
+    try:
+        return json_of(content(path, LARGEST_JSON))
+    except ValueError as error:
+        raise UsageError(f"{path}: cannot be read: {said(error)}") from None
 
 
 def json_of(text: bytes) -> Any:
@@ -137,12 +133,11 @@ def json_of(text: bytes) -> Any:
 
 def require_own(path: Path) -> None:
     """``UsageError`` where something is at ``path`` that is no JSON file of strandcli's own, which says its version."""
-    try:
+    data = None
+    with suppress(StrandError):
         data = read_json(path)
-    except (FileNotFoundError, NotADirectoryError):
+    if not os.path.lexists(path):
         return
-    except (OSError, ValueError):
-        data = None
     if not isinstance(data, dict) or "strandcli" not in data:
         raise UsageError(
             f"{path}: was not written by strandcli; add --overwrite to replace it, or choose another folder with -o"

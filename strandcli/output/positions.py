@@ -242,12 +242,9 @@ def _read_manifest(directory: Path) -> dict[str, Any]:
     path = directory / MANIFEST
     try:
         data = read_json(path)
-    except (FileNotFoundError, NotADirectoryError):
-        raise UsageError(f"{directory}: has no {MANIFEST}; it is no folder of 'strandcli simulate'") from None
-    except PermissionError:
-        raise RefusedError(f"{path}: no permission to read it") from None
-    except (OSError, ValueError, RecursionError) as error:
-        raise UsageError(f"{path}: cannot be read: {said(error)}; {AGAIN}") from None
+    except UsageError as error:
+        lacks = f"{directory}: has no {MANIFEST}; it is no folder of 'strandcli simulate'"
+        raise UsageError(f"{error}; {AGAIN}" if path.exists() else lacks) from None
     entries = data.get("frames") if isinstance(data, dict) else None
     if not isinstance(entries, list) or not all(_is_entry(entry) for entry in entries):
         raise UsageError(

@@ -14,6 +14,7 @@ from pathlib import Path
 from typing import Any
 
 from .. import __version__
+from ..errors import StrandError
 from . import png
 from .files import read_json, write_json
 from .frames import Written, frame_file
@@ -160,7 +161,7 @@ def read_report(directory: Path) -> dict[str, Any] | None:
         data = read_json(directory / FILE)
         own = all(one["file"] == frame_file(one["frame"]) for one in data["frames"])
         return dict(data) if own and data["schema_version"] == SCHEMA_VERSION else None
-    except (OSError, ValueError, TypeError, KeyError):
+    except (StrandError, TypeError, KeyError):
         return None
 
 

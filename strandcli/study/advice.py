@@ -174,7 +174,7 @@ def cached(kind: str, given: Any, make: Callable[[], dict[str, Any]]) -> tuple[d
     folder cannot be written, the next run makes the study again."""
     text = json.dumps([__version__, _sources(), given], sort_keys=True, default=str)
     path = folder() / f"{kind}-{hashlib.sha256(text.encode()).hexdigest()[:24]}.json"
-    with suppress(OSError, ValueError):
+    with suppress(StrandError):
         earlier: dict[str, Any] = read_json(path)
         return earlier, True
     data: dict[str, Any] = finite(make())

@@ -1,21 +1,28 @@
 """Golden images: small pictures that were once looked at and found good, and that every later version must draw again.
 
-A folder holds ``golden.yaml``, the list of them (`strandcli.study.golden_list`), and,
-made by `update`, a ``NAME.png`` for each and ``hashes.json`` with the hashes of decoded pixels.
+A folder holds ``golden.yaml``, the list of them, and, made by `update`, a ``NAME.png`` for each and ``hashes.json``
+with the hashes of decoded pixels. A list has entries ::
+
+    - preset: hair              # a shipped name, or a file beside golden.yaml
+      name: hair                # optional; the preset's name, '/' as '-'
+      frame: 12                 # optional; 1
+      size: 160x120             # optional; the preset's own
+      set: [emitter.strands=500]    # optional; as --set
+      allow: 0.1                # optional; of a machine of another class, percent of pixels that may be off
+      rmse: 1                   # optional; its greatest RMSE, of 255
 
 Two machines of one class (`machine_class`) must agree in every bit. On a machine of a class that no hash was recorded
 for, sines and rounding may differ by an ulp, which moves a strand across the edge of a pixel here and there; there a
 picture may differ in at most ``most_over`` of its pixels by more than `THRESHOLD`, and by ``most_rmse`` over all.
-Nothing else in strandcli has a tolerance for images. On a head of 3,000 strands an ulp in lengths or frame rate changed
-no pixel by more than 4/255, ten ulps none by more than 6/255; strands .6 % longer changed 1.8 to 7.6 % of all pixels by
-more than 8/255.
+Nothing else in strandcli has a tolerance for images.
 """
 
 from __future__ import annotations
 
-import json
+import os
 import platform
-from collections.abc import Callable, Sequence
+import re
+from collections.abc import Callable, Mapping, Sequence
 from contextlib import suppress
 from dataclasses import dataclass
 from pathlib import Path
@@ -24,14 +31,47 @@ from typing import Any
 import numpy as np
 
 from ..errors import SimulationError, UsageError
+from ..files.inputs import content
 from ..output import png
 from ..output.compare import Comparison, compare, side_by_side, size_of, write_image
-from ..output.files import prepare_folder, write_json
-from .golden_list import LIST, Entry
+from ..output.files import prepare_folder, read_json, write_json
 
+LIST = "golden.yaml"
+_LARGEST = 1 << 20
+"""Bytes of a list."""
+MOST_OVER, MOST_RMSE = 0.001, 1.0
+"""The tolerance of an image that states none: a share of all pixels, and of 255."""
+NAME, SIZE = re.compile(r"[A-Za-z0-9][A-Za-z0-9._-]*"), re.compile(r"([1-9][0-9]{0,4})x([1-9][0-9]{0,4})")
+KEYS: Mapping[str, tuple[Callable[[Any], Any], str]] = {
+    "preset": (lambda one: isinstance(one, str) and one, "a shipped name or a file"),
+    "name": (lambda one: isinstance(one, str) and NAME.fullmatch(one), "letters, digits, '.', '_' or '-'"),
+    "frame": (lambda one: type(one) is int and one >= 1, "a whole number from 1"),
+    "size": (lambda one: isinstance(one, str) and SIZE.fullmatch(one), "a width and a height such as 160x120"),
+    "set": (
+        lambda one: isinstance(one, list) and all(isinstance(text, str) and "=" in text for text in one),
+        "a list of texts such as 'wind.strength=3'",
+    ),
+    "allow": (lambda one: type(one) in (int, float) and 0 <= one <= 100, "a number from 0 to 100"),
+    "rmse": (lambda one: type(one) in (int, float) and 0 <= one <= 255, "a number from 0 to 255"),
+}
+"""By key: whether a value is one, and what it must be."""
 THRESHOLD = 8  # of 255
 HASHES = "hashes.json"
 SCHEMA_VERSION = 1
+
+
+@dataclass(frozen=True, slots=True)
+class Entry:
+    """One golden image: what to draw, and the name of its file without .png."""
+
+    name: str
+    preset: str
+    overrides: tuple[str, ...] = ()
+    frame: int = 1
+    size: tuple[int, int] | None = None
+    most_over: float = MOST_OVER
+    most_rmse: float = MOST_RMSE
+
 
 Notify = Callable[[str], None]
 Draw = Callable[[Entry, Path], png.Pixels]
@@ -49,15 +89,12 @@ class Result:
 
     def as_dict(self) -> dict[str, Any]:
         """The same for JSON."""
+        entry, comparison, difference = self.entry, self.comparison, self.difference
         return {
-            "name": self.entry.name,
-            "preset": self.entry.preset,
-            "frame": self.entry.frame,
-            "matches": self.matches,
-            "why": self.words,
-            "comparison": self.comparison.as_dict() if self.comparison else None,
-            "difference": str(self.difference) if self.difference else None,
-        }
+            "name": entry.name, "preset": entry.preset, "frame": entry.frame, "matches": self.matches,
+            "why": self.words, "comparison": comparison and comparison.as_dict(),
+            "difference": difference and str(difference),
+        }  # fmt: skip
 
 
 def machine_class() -> str:
@@ -194,12 +231,9 @@ def prune(directory: Path, entries: Sequence[Entry]) -> list[str]:
 def read_hashes(directory: Path) -> dict[str, Any]:
     """The records of hashes.json: name to ``{"picture": hash of the .png, "classes": {machine class: hash}}``."""
     path = directory / HASHES
-    try:
-        data = json.loads(path.read_text(encoding="utf-8"))
-    except FileNotFoundError:
+    if directory.is_dir() and not os.path.lexists(path):
         return {}
-    except (OSError, ValueError, RecursionError) as error:
-        raise UsageError(f"{path}: cannot be read: {error}") from None
+    data = read_json(path)
     images = data.get("images") if isinstance(data, dict) else None
     kinds = {"picture": str, "classes": dict}
     if not isinstance(images, dict) or not all(
@@ -214,3 +248,52 @@ def write_hashes(directory: Path, images: dict[str, Any]) -> None:
     """Write hashes.json, whole or not at all."""
     data = {"schema_version": SCHEMA_VERSION, "images": {name: images[name] for name in sorted(images)}}
     write_json(directory / HASHES, data)
+
+
+def read_entries(directory: Path) -> list[Entry]:
+    """The list of a folder. Raises ``UsageError`` that names the entry at fault."""
+    import yaml
+
+    path = directory / LIST
+    if directory.is_dir() and not os.path.lexists(path):
+        raise UsageError(f"{path}: no such file; it lists the golden images, as in '- preset: hair'")
+    data = content(path, _LARGEST)
+    try:
+        found = yaml.safe_load(data)
+    except (yaml.YAMLError, RecursionError, ValueError) as error:
+        raise UsageError(f"{path}: not YAML: {' '.join(str(error).split())}") from None
+    if not isinstance(found, list) or not found:
+        raise UsageError(f"{path}: must be a list of entries such as '- preset: hair'")
+    entries = [_entry(one, f"{path}: entry {number}") for number, one in enumerate(found, 1)]
+    names = [entry.name for entry in entries]
+    for name in names:
+        if names.count(name) > 1:
+            raise UsageError(f"{path}: two entries are named '{name}'; give one another 'name'")
+    return entries
+
+
+def _entry(data: Any, where: str) -> Entry:
+    if not isinstance(data, dict):
+        raise UsageError(f"{where}: must be a mapping such as 'preset: hair'")
+    for key, value in {"preset": None, **data}.items():
+        if key not in KEYS:
+            raise UsageError(f"{where}: unknown key '{key}'; the keys are {', '.join(KEYS)}")
+        is_sound, words = KEYS[key]
+        if not is_sound(value):
+            raise UsageError(f"{where}: '{key}' must be {words}, not {value!r}")
+    preset = data["preset"]
+    name = Path(preset).stem if preset.endswith((".yaml", ".yml")) else preset.replace("/", "-")
+    wide, high = map(int, data["size"].split("x")) if "size" in data else (0, 0)
+    return Entry(
+        data.get("name", name), preset, tuple(data.get("set", ())), data.get("frame", 1),
+        (wide, high) if wide else None, data.get("allow", 100 * MOST_OVER) / 100, float(data.get("rmse", MOST_RMSE)),
+    )  # fmt: skip
+
+
+def select(entries: Sequence[Entry], names: Sequence[str]) -> list[Entry]:
+    """The entries of these names, or all if there are none. Raises ``UsageError`` for a name that is not there."""
+    known = [entry.name for entry in entries]
+    for name in names:
+        if name not in known:
+            raise UsageError(f"no golden image is named '{name}'; there are {', '.join(known)}")
+    return [entry for entry in entries if not names or entry.name in names]

@@ -223,6 +223,18 @@ def test_nothing_of_two_hundred_damaged_packs_is_run(home: Home, pack: Path) -> 
     assert (number, compiled > 120) == (199, True)
 
 
+def test_kernels_of_a_pack_are_checked_by_their_own_hash(home: Home, pack: Path) -> None:
+    content = parts(pack.read_bytes())
+    made = json.loads(content.pop(stores.MANIFEST))
+    (name, entry) = content.popitem()
+    for place in (0, 20, 60, len(entry) - 1):
+        wrong = entry[:place] + bytes([entry[place] ^ 4]) + entry[place + 1 :]
+        pack.write_bytes(stores.packed(made, {name: wrong}))
+        told = home.begin(pack)
+        assert not called()
+        assert told == [f"{pack}/{name}: is not used (its content is not what was written): made anew"]
+
+
 def test_only_processors_that_this_machine_has_are_compiled_for(monkeypatch: pytest.MonkeyPatch) -> None:
     monkeypatch.setattr(processor.platform, "machine", lambda: "x86_64")
     monkeypatch.setattr(processor, "_features", lambda: dict.fromkeys(processor.V3, True))

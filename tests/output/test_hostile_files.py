@@ -28,7 +28,7 @@ def test_a_pipe_or_a_device_as_report_is_none(tmp_path: Path) -> None:
     (tmp_path / "report.json").unlink()
     (tmp_path / "report.json").symlink_to("/dev/zero")
     assert read_report(tmp_path) is None
-    with pytest.raises(ValueError, match="pipe or a device"):
+    with pytest.raises(UsageError, match="pipe or a device"):
         read_json(tmp_path / "report.json")
 
 

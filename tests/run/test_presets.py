@@ -10,7 +10,7 @@ import strandcli
 from cli_runs import Runner
 from strandcli.scene import list_presets
 from strandcli.study import golden
-from strandcli.study.golden_list import Entry, read_entries
+from strandcli.study.golden import Entry, read_entries
 
 NAMES = [name for name, _ in list_presets()]
 FIGURES = [f"figures/fig{number:02d}" for number in range(2, 15)]

@@ -16,11 +16,11 @@ from hypothesis import HealthCheck, given, settings
 from hypothesis import strategies as st
 
 from strandcli.scene import list_presets
-from strandcli.study import golden_list
+from strandcli.study import golden
 from thread_runs import Drawer
 
 GOLDEN = Path(__file__).parents[1] / "golden"
-FEWER = {entry.preset: list(entry.overrides) for entry in golden_list.read_entries(GOLDEN)}
+FEWER = {entry.preset: list(entry.overrides) for entry in golden.read_entries(GOLDEN)}
 FEWER |= {name: ["children.count=10"] for name in ("hair", "portrait", "ponytail")} | {"minimal": []}
 """Strands so few that all presets take seconds, and enough that some cross every band of a map."""
 SIZE = [101, 141]

@@ -13,8 +13,8 @@ import pytest
 from strandcli.errors import SimulationError, UsageError
 from strandcli.output import png
 from strandcli.output.compare import write_image
-from strandcli.study import golden, golden_list
-from strandcli.study.golden_list import Entry
+from strandcli.study import golden
+from strandcli.study.golden import Entry
 
 ENTRY = Entry("hair", "hair", ("wind.strength=3",), 2, (40, 30))
 
@@ -76,12 +76,12 @@ def test_one_pixel_planted_in_the_golden_picture_is_caught_on_every_machine(
 
 def test_the_tolerance_elsewhere_is_the_stated_one(made: Path, tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
     elsewhere(monkeypatch)
-    few = int(golden_list.MOST_OVER * 1200)
+    few = int(golden.MOST_OVER * 1200)
     assert golden.check(made, ENTRY, tmp_path, changed(few, golden.THRESHOLD + 1)).matches
     assert not golden.check(made, ENTRY, tmp_path, changed(few + 1, golden.THRESHOLD + 1)).matches
     assert golden.check(made, ENTRY, tmp_path, changed(100, 4)).matches
     result = golden.check(made, ENTRY, tmp_path, changed(few, 127))
-    assert result.comparison.rmse > golden_list.MOST_RMSE
+    assert result.comparison.rmse > golden.MOST_RMSE
     assert not result.matches
 
 
@@ -143,17 +143,17 @@ def test_entries_no_longer_listed_are_removed(made: Path) -> None:
 
 
 def test_the_list_is_read_with_its_defaults(tmp_path: Path) -> None:
-    (tmp_path / golden_list.LIST).write_text(
+    (tmp_path / golden.LIST).write_text(
         "- preset: figures/fig02\n- {preset: ./own.yaml, name: b, frame: 3, size: 160x120, set: [wind.strength=3]}\n"
     )
-    assert golden_list.read_entries(tmp_path) == [
+    assert golden.read_entries(tmp_path) == [
         Entry("figures-fig02", "figures/fig02"),
         Entry("b", "./own.yaml", ("wind.strength=3",), 3, (160, 120)),
     ]
-    entries = golden_list.read_entries(tmp_path)
-    assert golden_list.select(entries, ["b"]) == entries[1:]
+    entries = golden.read_entries(tmp_path)
+    assert golden.select(entries, ["b"]) == entries[1:]
     with pytest.raises(UsageError, match="no golden image is named 'c'; there are figures-fig02, b"):
-        golden_list.select(entries, ["c"])
+        golden.select(entries, ["c"])
 
 
 @pytest.mark.parametrize(
@@ -180,14 +180,14 @@ def test_the_list_is_read_with_its_defaults(tmp_path: Path) -> None:
     ],
 )
 def test_faults_of_the_list_are_named(tmp_path: Path, text: str, words: str) -> None:
-    (tmp_path / golden_list.LIST).write_text(text)
+    (tmp_path / golden.LIST).write_text(text)
     with pytest.raises(UsageError, match=rf"golden\.yaml: .*{words}"):
-        golden_list.read_entries(tmp_path)
+        golden.read_entries(tmp_path)
 
 
 def test_a_folder_without_a_list_and_damaged_hashes_are_named(tmp_path: Path) -> None:
     with pytest.raises(UsageError, match=r"golden\.yaml: no such file"):
-        golden_list.read_entries(tmp_path)
+        golden.read_entries(tmp_path)
     for text in ("{", "[]", '{"images": {"hair": 3}}'):
         (tmp_path / golden.HASHES).write_text(text)
         with pytest.raises(UsageError, match=r"hashes\.json: "):
@@ -196,7 +196,7 @@ def test_a_folder_without_a_list_and_damaged_hashes_are_named(tmp_path: Path) ->
 
 def test_an_entry_may_have_a_tolerance_of_its_own(made: Path, tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
     (tmp_path / "golden.yaml").write_text("- {preset: hair, allow: 0.5, rmse: 4}\n- {preset: fur}\n")
-    wide, usual = golden_list.read_entries(tmp_path)
+    wide, usual = golden.read_entries(tmp_path)
     assert (wide.most_over, wide.most_rmse, usual.most_over, usual.most_rmse) == (0.005, 4.0, 0.001, 1.0)
     wide = replace(ENTRY, most_over=wide.most_over, most_rmse=wide.most_rmse)
     draw_wrong = changed(6, golden.THRESHOLD + 20)  # RMSE 1.14
