@@ -48,8 +48,8 @@ class Replayed:
     parts: Sequence[Offsets | tuple[Edit, Strands]]
     """Of each edit the points that it takes, or itself and the strands that it was made of."""
 
-    def points(self, held: Points) -> Points:
-        """The points (Q, 3) that become of points (P, 3)."""
+    def points(self, held: npt.NDArray[Any]) -> npt.NDArray[Any]:
+        """The points (Q, 3) that become of points (P, 3); of numbers (P,) those of points that are chosen."""
         for part in self.parts:
             if isinstance(part, tuple):
                 edit, strands = part

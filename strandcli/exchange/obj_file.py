@@ -77,7 +77,7 @@ class ObjFile:
         corners, bad = _corners(words)
         corners = corners[:, : len(self.tables)]
         named = corners != 0
-        if (corners < 0).any():  # they count back from their line
+        if bad is None and (corners < 0).any():  # they count back from their line
             for column, name in enumerate(self.tables):
                 before = self.tables[name].size + np.cumsum([head == name for head in heads])
                 back = corners[:, column] < 0

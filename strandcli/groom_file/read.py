@@ -12,11 +12,11 @@ from numpy.typing import NDArray
 from ..common.counted import counted
 from ..errors import UsageError, about
 from ..exchange import faults
-from ..exchange.edits import ROW, fixed, reversed_all, turned
+from ..exchange.edits import Step, edited, fixed, reversed_all, turned
 from ..exchange.files import Moments, ReadOptions, read_first
 from ..exchange.resample import some
 from ..exchange.splines import note_of
-from ..exchange.strands import CACHED, CHUNK, Attribute, Offsets, Points, Strands, even_offsets
+from ..exchange.strands import CACHED, CHUNK, Offsets, Points, Strands, even_offsets
 from ..files.inputs import cached
 from ..groom.blocks import spatial_order
 from ..groom.deforming import units
@@ -261,18 +261,18 @@ def _chosen(
         notes.append(f"{path}: {', '.join(changing)} change with time; those of the first moment are drawn")
     curves = note_of(strands.source.facts)
     notes += [f"{path}: {curves}"] if curves else []
-    if moving:
-        rows = Attribute("point", np.arange(strands.points.shape[0]))
-        strands = replace(strands, attributes={**strands.attributes, ROW: rows})
+    steps = []
     if given.fix:
-        before = strands
-        strands, change = fixed(strands, given.root == "auto", "emitter.groom.root: first has none turned")
-        if strands is not before:
-            notes.append(f"{path}: {change.text}")
+        kept = "emitter.groom.root: first has none turned"
+        steps.append(Step(lambda held: fixed(held, given.root == "auto", kept), True))
     if given.root == "last":
-        strands, _ = reversed_all(strands)
-    if given.strands is not None and given.strands < strands.count:
-        strands, _ = some(strands, given.strands, seed)
+        steps.append(Step(reversed_all, True))
+    if given.strands is not None:
+        wanted = given.strands
+        steps.append(Step(lambda held: some(held, wanted, seed), True))
+    count = strands.points.shape[0]
+    strands, changes, replayed = edited(strands, steps, moving)
+    notes += [f"{path}: {one.text}" for one in changes if one.edit == "fix" and any(one.facts.values())]
     if not strands.count:
         raise UsageError(f"{path}: has no strand that could be drawn")
     bare = None if given.fix else faults.without_length(strands)
@@ -281,7 +281,4 @@ def _chosen(
             f"{path}: {counted(int(bare.sum()), 'strand')} without length (strand {int(np.argmax(bare)):,} for one); "
             "set emitter.groom.fix: true, which leaves them out"
         )
-    if not moving:
-        return strands, None
-    attributes = dict(strands.attributes)
-    return replace(strands, attributes=attributes), attributes.pop(ROW).values
+    return strands, None if replayed is None else replayed.points(np.arange(count))

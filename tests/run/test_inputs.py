@@ -251,7 +251,7 @@ READ_SCENES = (
 """Packages that read what pictures follow from: by `strandcli.files.inputs` alone, so that fingerprints know of it."""
 OTHERWISE = {
     "scene/library.py",  # titles of presets, for lists
-    "exchange/archive.py", "exchange/formats/npz.py",  # members of an archive that is open
+    "exchange/formats/npz.py",  # members of an archive that is open
     "exchange/usd/worker.py",  # the memory of its process
     "exchange/usd/open_stage.py",  # in the worker, which tells what files it has opened, as for the library
     "exchange/formats/__init__.py",  # what its modules say of themselves

@@ -97,7 +97,7 @@ class Archive:
         found = []
         while headers.left:
             headers.number("largest sample", "<I")
-            at = headers.at
+            at = headers.position
             cycle, count = headers.number("seconds a cycle", "<d"), headers.number("times", "<I")
             times = np.frombuffer(headers.take("times", 8 * count), "<f8")
             if not count or not math.isfinite(cycle) or not np.isfinite(times).all() or (np.diff(times) <= 0).any():
@@ -115,7 +115,7 @@ class Archive:
         if index == layout.WRITTEN_OUT:
             return layout.pairs(headers.text("metadata", headers.number("length of metadata", width)))
         if index >= len(self.indexed):
-            raise self.file.damaged(f"{headers.name}: metadata {index} of {len(self.indexed)}", headers.at)
+            raise self.file.damaged(f"{headers.name}: metadata {index} of {len(self.indexed)}", headers.position)
         return layout.pairs(self.indexed[index])
 
     def objects(self) -> Iterator[Object]:
@@ -173,7 +173,7 @@ class Archive:
         return found
 
     def _property(self, headers: Cursor, group: Group, path: str, place: int) -> Property:
-        at = headers.at
+        at = headers.position
         info = headers.number("header", "<I")
         kind = min(info & layout.KIND, layout.ARRAY)
         hint = info >> layout.HINT & 0x3
@@ -189,7 +189,7 @@ class Archive:
         return Property(full, kind, self.container.child(group, place, full), metadata, **more)
 
     def _samples(self, headers: Cursor, info: int, width: str, path: str) -> dict[str, Any]:
-        at = headers.at
+        at = headers.position
         found = {"type": info >> layout.TYPE & 0xF, "extent": info >> layout.EXTENT & 0xFF}
         samples = headers.number("samples", width)
         first, last = 1, samples - 1

@@ -1,15 +1,18 @@
-"""Curves of an Alembic archive, each object as it is told; `strandcli.exchange.parts` makes strands of all of them."""
+"""Curves of an Alembic archive, each object as it is told, where transforms put it; `strandcli.exchange.parts` makes
+strands of all of them."""
 
 from __future__ import annotations
 
-from collections.abc import Iterator, Mapping
+import math
+from collections.abc import Mapping
 from dataclasses import dataclass
 from typing import Any
 
 import numpy as np
 import numpy.typing as npt
 
-from ..parts import Part, moved, moved_attribute
+from ...common.rotations import of_quaternion
+from ..parts import Matrix, Part, moved, moved_attribute
 from ..splines import (
     BSPLINE,
     CATMULL_ROM,
@@ -25,8 +28,7 @@ from ..splines import (
 )
 from ..strands import Attribute
 from . import layout
-from .archive import CLOSE, Archive, Object, Property
-from .xform import Transform, chain, world
+from .archive import Archive, Object, Property
 
 Geometry = dict[str, Property]
 
@@ -68,6 +70,85 @@ def _numbers(archive: Archive, found: Property | None) -> npt.NDArray[Any]:
 
 
 @dataclass(frozen=True, slots=True, eq=False)
+class Transform:
+    """What an object that is a transform tells: operations, their numbers, and whether it follows what holds it; None
+    where it does not tell."""
+
+    operations: Property | None
+    values: Property | None
+    inherits: Property | None
+
+
+def chain(archive: Archive, one: Object) -> list[Transform]:
+    """The transforms that hold an object, inner ones first."""
+    found = []
+    holder = one.parent
+    while holder is not None:
+        if holder.metadata.get("schema", "").startswith("AbcGeom_Xform"):
+            xform = archive.properties(holder).get(".xform")
+            if xform is not None and xform.kind == layout.COMPOUND:
+                stated = archive.compound(xform)
+                found.append(Transform(stated.get(".ops"), stated.get(".vals"), stated.get(".inherits")))
+        holder = holder.parent
+    return found
+
+
+def world(archive: Archive, transforms: list[Transform], seconds: float | None) -> Matrix | None:
+    """Where transforms, inner ones first, put what they hold: at a time, or in their first samples. None where it is
+    there already, so that points keep their bits."""
+    found = np.eye(4)
+    for one in transforms:
+        found = found @ _matrix(archive, one, seconds)
+        if one.inherits is not None and one.inherits.samples:
+            inherits = archive.at(one.inherits, seconds)
+            if not inherits.any():
+                break
+    return None if np.array_equal(found, np.eye(4)) else found
+
+
+def _matrix(archive: Archive, one: Transform, seconds: float | None) -> Matrix:
+    """The operations of a transform, of which the last is the first to be done."""
+    found = np.eye(4)
+    if one.operations is None or one.values is None or not one.operations.samples:
+        return found
+    codes = [int(code) >> 4 for code in archive.values(one.operations).reshape(-1)]
+    values = archive.at(one.values, seconds).reshape(-1).astype(np.float64)
+    if set(codes) - set(layout.CHANNELS) or sum(layout.CHANNELS[code] for code in codes) != values.size:
+        raise archive.file.damaged(
+            f"{one.values.path}: {values.size:,} numbers of operations {codes}", one.values.child.at
+        )
+    for code in codes:
+        count = layout.CHANNELS[code]
+        found = _operation(code, values[:count]) @ found
+        values = values[count:]
+    return found
+
+
+def _operation(code: int, values: npt.NDArray[np.float64]) -> Matrix:
+    found = np.eye(4)
+    if code == layout.MATRIX:
+        return values.reshape(4, 4)
+    if code == layout.TRANSLATE:
+        found[3, :3] = values
+    elif code == layout.SCALE:
+        found[:3, :3] = np.diag(values)
+    elif code == layout.ROTATE:
+        found[:3, :3] = _turn(values[:3], float(values[3]))
+    else:
+        found[:3, :3] = _turn(np.eye(3)[code - layout.ROTATE_X], float(values[0]))
+    return found
+
+
+def _turn(axis: npt.NDArray[np.float64], degrees: float) -> Matrix:
+    """A turn (3, 3) about an axis, for rows."""
+    length = float(np.linalg.norm(axis))
+    if not length > 0:
+        return np.eye(3)
+    half = math.radians(degrees) / 2
+    return of_quaternion(np.array([math.cos(half), *(math.sin(half) / length * axis)])).T
+
+
+@dataclass(frozen=True, slots=True, eq=False)
 class Curves:
     """An object of curves: its path, properties of its geometry by name, and the transforms that hold it."""
 
@@ -84,68 +165,6 @@ class Curves:
     def counts(self) -> Property:
         """Points of each curve."""
         return self.geometry["nVertices"]
-
-
-class Clock:
-    """When objects of curves change, gathered from each of them as it is read."""
-
-    def __init__(self) -> None:
-        self._times: set[float] = set()
-        self._cycles: set[float] = set()
-        self.changing: set[str] = set()
-        """Attributes, by our names, that change with time."""
-
-    def add(self, archive: Archive, one: Curves, attributes: Mapping[str, Property]) -> None:
-        """Take in an object with attributes."""
-        moving = [move.values for move in one.transforms if move.values and move.values.last]
-        for told in (one.points, *moving):
-            self._times.update(archive.times(told))
-            if told.last and 0 < told.sampling.cycle < layout.ACYCLIC:
-                self._cycles.add(told.sampling.cycle)
-        for name, told in attributes.items():
-            parts = archive.compound(told).values() if told.kind == layout.COMPOUND else (told,)
-            self.changing.update([name] if any(part.last for part in parts) else [])
-
-    @property
-    def times(self) -> list[float]:
-        """Seconds at which points change, rising."""
-        found = sorted(self._times)
-        return [time for place, time in enumerate(found) if not place or time - found[place - 1] > CLOSE]
-
-    @property
-    def rate(self) -> float | None:
-        """Frames a second of samples that are taken at equal distances or in cycles; None where none are."""
-        return 1 / min(self._cycles) if self._cycles else None
-
-
-def all_curves(archive: Archive) -> Iterator[Curves]:
-    """The objects of curves of an archive, one after the other. Raises `UsageError` where there are none."""
-    found, others = False, set()
-    for one in archive.objects():
-        schema = one.metadata.get("schema", "")
-        if schema.startswith("AbcGeom_Curve_"):
-            found = True
-            yield _curves(archive, one)
-        else:
-            others.add(schema or "no schema")
-    if not found:
-        there = f"; there are objects of {', '.join(sorted(others)[:5])}" if others else ""
-        raise archive.file.fault(f"has no curves{there}", archive.container.root.at)
-
-
-def _curves(archive: Archive, one: Object) -> Curves:
-    geometry = archive.properties(one).get(".geom")
-    if geometry is None or geometry.kind != layout.COMPOUND:
-        raise archive.file.damaged(f"{one.path}: has no .geom", one.group.begin)
-    told = archive.compound(geometry)
-    for name, extent, kinds in (("P", 3, "f"), ("nVertices", 1, "iu")):
-        found = told.get(name)
-        if found is None or found.kind == layout.COMPOUND:
-            raise archive.file.damaged(f"{geometry.path}: has no {name}", geometry.child.at)
-        if found.extent != extent or np.dtype(found.dtype or "S").kind not in kinds:
-            kind = layout.TYPES[found.type].name
-            raise archive.file.damaged(f"{found.path}: {found.extent} {kind} an element", found.child.at)
-    return Curves(one.path, told, chain(archive, one))
 
 
 def part_of(

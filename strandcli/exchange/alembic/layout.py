@@ -6,6 +6,7 @@ Nothing is believed: every byte lies in the file, and what is read in all is bou
 
 from __future__ import annotations
 
+import io
 import struct
 from typing import Any, NamedTuple
 
@@ -217,37 +218,18 @@ class Container:
         self.file.seek(name, position, at)
 
 
-class Cursor:
+class Cursor(Bounded):
     """Bytes of headers, read from begin to end."""
 
     def __init__(self, file: Bounded, name: str, begin: int, content: bytes) -> None:
         """``begin``: byte of the file where they begin; ``name``: for messages."""
-        self.file, self.name, self.begin, self.content = file, name, begin, content
-        self.position = 0
-
-    @property
-    def left(self) -> int:
-        """Bytes that were not read yet."""
-        return len(self.content) - self.position
-
-    @property
-    def at(self) -> int:
-        """Byte of the file that comes next."""
-        return self.begin + self.position
-
-    def take(self, field: str, count: int) -> bytes:
-        """The next bytes."""
-        if count > self.left:
-            raise self.file.damaged(
-                f"{self.name}: {field}: needs {amount(count)}, the headers hold {amount(self.left)} there", self.at
-            )
-        self.position += count
-        return self.content[self.position - count : self.position]
+        super().__init__(file.path, io.BytesIO(content), begin + len(content), file.what)
+        self.name, self.position = name, begin
 
     def number(self, field: str, form: str) -> Any:
         """The next number, of a form of `struct`."""
-        return struct.unpack(form, self.take(field, struct.calcsize(form)))[0]
+        return struct.unpack(form, self.take(f"{self.name}: {field}", struct.calcsize(form)))[0]
 
     def text(self, field: str, count: int) -> str:
         """The next letters."""
-        return self.take(field, count).decode("utf-8", "replace")
+        return self.take(f"{self.name}: {field}", count).decode("utf-8", "replace")

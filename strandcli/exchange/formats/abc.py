@@ -2,12 +2,15 @@
 
 from __future__ import annotations
 
+from collections.abc import Iterator, Mapping
 from pathlib import Path
 from typing import Any
 
+import numpy as np
+
 from ..alembic import layout
-from ..alembic.archive import Archive
-from ..alembic.curves import Clock, all_curves, attributes_of, part_of
+from ..alembic.archive import CLOSE, Archive, Object, Property
+from ..alembic.curves import Curves, attributes_of, chain, part_of
 from ..alembic.export import write as write
 from ..bounded import opened
 from ..files import ReadOptions
@@ -32,9 +35,9 @@ def read(path: Path, options: ReadOptions) -> Strands:
     points on them."""
     with opened(path, WHAT, options.lenient) as file:
         archive = Archive(file)
-        fitter, clock = Fitter(file.size), Clock()
+        fitter, clock = Fitter(file.size), _Clock()
         parts: list[Part] = []
-        for one in all_curves(archive):  # whose headers take more than the points of a few strands
+        for one in _all_curves(archive):  # whose headers take more than the points of a few strands
             attributes = attributes_of(archive, one)
             parts.append(part_of(archive, one, attributes, fitter, options.at))
             clock.add(archive, one, attributes)
@@ -52,3 +55,65 @@ def read(path: Path, options: ReadOptions) -> Strands:
     if lost:
         facts["attributes_not_read"] = lost
     return without_short(strands)
+
+
+class _Clock:
+    """When objects of curves change, gathered from each of them as it is read."""
+
+    def __init__(self) -> None:
+        self._times: set[float] = set()
+        self._cycles: set[float] = set()
+        self.changing: set[str] = set()
+        """Attributes, by our names, that change with time."""
+
+    def add(self, archive: Archive, one: Curves, attributes: Mapping[str, Property]) -> None:
+        """Take in an object with attributes."""
+        moving = [move.values for move in one.transforms if move.values and move.values.last]
+        for told in (one.points, *moving):
+            self._times.update(archive.times(told))
+            if told.last and 0 < told.sampling.cycle < layout.ACYCLIC:
+                self._cycles.add(told.sampling.cycle)
+        for name, told in attributes.items():
+            parts = archive.compound(told).values() if told.kind == layout.COMPOUND else (told,)
+            self.changing.update([name] if any(part.last for part in parts) else [])
+
+    @property
+    def times(self) -> list[float]:
+        """Seconds at which points change, rising."""
+        found = sorted(self._times)
+        return [time for place, time in enumerate(found) if not place or time - found[place - 1] > CLOSE]
+
+    @property
+    def rate(self) -> float | None:
+        """Frames a second of samples that are taken at equal distances or in cycles; None where none are."""
+        return 1 / min(self._cycles) if self._cycles else None
+
+
+def _all_curves(archive: Archive) -> Iterator[Curves]:
+    """The objects of curves of an archive, one after the other. Raises `UsageError` where there are none."""
+    found, others = False, set()
+    for one in archive.objects():
+        schema = one.metadata.get("schema", "")
+        if schema.startswith("AbcGeom_Curve_"):
+            found = True
+            yield _curves(archive, one)
+        else:
+            others.add(schema or "no schema")
+    if not found:
+        there = f"; there are objects of {', '.join(sorted(others)[:5])}" if others else ""
+        raise archive.file.fault(f"has no curves{there}", archive.container.root.at)
+
+
+def _curves(archive: Archive, one: Object) -> Curves:
+    geometry = archive.properties(one).get(".geom")
+    if geometry is None or geometry.kind != layout.COMPOUND:
+        raise archive.file.damaged(f"{one.path}: has no .geom", one.group.begin)
+    told = archive.compound(geometry)
+    for name, extent, kinds in (("P", 3, "f"), ("nVertices", 1, "iu")):
+        found = told.get(name)
+        if found is None or found.kind == layout.COMPOUND:
+            raise archive.file.damaged(f"{geometry.path}: has no {name}", geometry.child.at)
+        if found.extent != extent or np.dtype(found.dtype or "S").kind not in kinds:
+            kind = layout.TYPES[found.type].name
+            raise archive.file.damaged(f"{found.path}: {found.extent} {kind} an element", found.child.at)
+    return Curves(one.path, told, chain(archive, one))

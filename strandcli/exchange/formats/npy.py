@@ -11,11 +11,11 @@ import numpy as np
 
 from ...errors import UsageError
 from ...output.files import atomic
-from ..archive import DAMAGED, array_header
 from ..bounded import amount, opened
 from ..files import ReadOptions
 from ..strands import Attribute, Source, Strands, TimeSample, even_offsets, without_short
 from ..written import left_out, values_of
+from .npz import DAMAGED, array_header
 
 name = ".npy"
 suffixes = (".npy",)
