@@ -22,7 +22,6 @@ from ..scene.detail import most_needed
 from ..scene.model import Extent, Followers
 from ..scene.motion import camera_at, emitter_pose
 from .guides import BATCH, chained, chosen, features_of, long_enough, parents_of, picked_points, ranks_of
-from .kernels import rows as kernel
 from .measure import fitted, some_of, width_for
 from .on_solid import Head, head_of
 from .read import FromFile, from_file, from_scene
@@ -179,12 +178,31 @@ def _drawn(
     for begin in range(0, len(some), BATCH):
         part = slice(begin, begin + BATCH)
         points = picked_points(groom, some[part])
-        rows = np.empty((len(points), out.shape[1]), np.int32)
-        kernel.choose(keep[part], counts[part], rows)
-        kernel.write(points, rows, out[part])
+        rows = _evenly(keep[part], counts[part], out.shape[1])
+        out[part, :, :3] = np.take_along_axis(points, rows[:, :, None], axis=1)
+        out[part, :, 3] = np.take_along_axis(_shares(points), rows, axis=1)
         if fewer is not None and shares is not None:
             fewer[part] = np.take_along_axis(shares[part], rows, axis=1)
     return out, None if widths is None else widths._replace(shares=fewer)
+
+
+def _evenly(keep: NDArray[np.bool_], counts: NDArray[np.int64], wanted: int) -> NDArray[np.int64]:
+    """(S, wanted) the points to draw of strands (S, n): those that ``keep`` (S, n) marks, so many each (S,), and of the
+    rest as many as are wanting, evenly chosen."""
+    rest, wanting = (keep.shape[1] - counts)[:, None], (wanted - counts)[:, None]
+    seen = np.cumsum(~keep, axis=1)
+    more = seen * wanting // np.maximum(rest, 1) > (seen - 1) * wanting // np.maximum(rest, 1)
+    return np.nonzero(keep | more)[1].reshape(-1, wanted)
+
+
+def _shares(points: NDArray[np.float32]) -> NDArray[np.float32]:
+    """(S, n) how far along its strand each of points (S, n, 3) is, of its length; of one without length by number."""
+    x, y, z = np.diff(points.astype(np.float64), axis=1).transpose(2, 0, 1)
+    along = np.zeros(points.shape[:2])
+    np.cumsum(np.sqrt(x * x + y * y + z * z), axis=1, out=along[:, 1:])
+    whole, last = along[:, -1:], points.shape[1] - 1
+    evenly = np.broadcast_to(np.arange(last + 1) / last, along.shape)
+    return np.minimum(np.divide(along, whole, out=evenly.copy(), where=whole > 0), 1).astype(np.float32)
 
 
 MOST_FRAMES = 1_000_000

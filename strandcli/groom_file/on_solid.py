@@ -43,6 +43,9 @@ FADE, FADE_SHARE = 10.0, 0.3
 REACH, REACH_SHARE = 3.0, 0.1
 """How far along a strand neighbours move along: in the greatest need of a point, and at least so much of its length."""
 ROUNDS = 24
+PASSES = 3
+"""Of smoothing what points move along a strand."""
+TINY = 1e-300
 BATCH = 1 << 20
 """Points of strands that are led out at once."""
 FAR = 0.5
@@ -168,11 +171,14 @@ def _put_batch(
     along = np.cumsum(steps)
     along -= np.repeat(along[first[:-1]], counts)
     whole = along[first[1:] - 1]
-    points = before.copy()
     away = np.linalg.norm(shifts[some], axis=1)
     loose = away > 0
-    fades = np.minimum(np.maximum(FADE * away, FADE_SHARE * whole), np.maximum(whole, 1e-30))
-    kernel.seat(first, points, shifts[some], fades, steps)
+    fades = np.minimum(np.maximum(FADE * away, FADE_SHARE * whole), np.maximum(whole, TINY))
+    t = np.minimum(along / np.repeat(np.maximum(fades, TINY), counts), 1.0)
+    points = np.empty_like(before)
+    kernel.follow(
+        first, points, before + (1 - t * t * (3 - 2 * t))[:, None] * np.repeat(shifts[some], counts, 0), steps
+    )
     points[~np.repeat(loose, counts)] = before[~np.repeat(loose, counts)]
     led = _lead_out(first, points, surface, steps, along, fit)
     changed = loose | led
@@ -221,10 +227,35 @@ def _lead_out(
             points[rows] += needs[:, None] * near.outward
             return led
         reach = np.maximum(REACH * np.maximum.reduceat(needs, part[:-1]), REACH_SHARE * whole[active])
-        own = np.ascontiguousarray(points[rows])
-        kernel.lead_out(part, own, needs, np.ascontiguousarray(near.outward), reach, steps[rows], np.empty_like(own))
+        own = points[rows]
+        moves = _smooth(part, needs[:, None] * near.outward, reach, along[rows], steps[rows])
+        kernel.follow(part, own, own + moves, steps[rows])
         points[rows] = own
     return led
+
+
+def _smooth(first: NDArray[np.int64], moves: Floats, reach: Floats, along: Floats, steps: Floats) -> Floats:
+    """What points (P, 3) move of strands of which some have to: their neighbours as well, by less the farther they are,
+    over about ``reach`` (S,) metres; roots, which do not, and the points behind them up to the first that has to by
+    more and more."""
+    counts, less = np.diff(first), 1 / (1 + steps / np.repeat(np.maximum(reach, TINY), np.diff(first)))
+    needed = np.where(moves.any(axis=1), np.arange(len(moves)), len(moves))
+    deep = np.repeat(np.minimum.reduceat(needed, first[:-1]), counts)
+    order = range(2, int(counts.max()))
+    for step, places in ((1, order), (-1, reversed(order))):
+        for place in places:
+            i = first[:-1][counts > place] + (place if step > 0 else place - 1)
+            fading = less[i if step > 0 else i + 1][:, None] * moves[i - step]
+            more = (fading**2).sum(axis=1) > (moves[i] ** 2).sum(axis=1)
+            moves[i[more]] = fading[more]
+    moves[np.arange(len(moves)) < deep] *= (along / np.maximum(along[deep], TINY))[np.arange(len(moves)) < deep, None]
+    for _ in range(PASSES):
+        after, before = np.roll(moves, -1, axis=0), np.roll(moves, 1, axis=0)
+        after[first[1:] - 1] = moves[first[1:] - 1]
+        smoothed = 0.25 * before + 0.5 * moves + 0.25 * after
+        smoothed[first[:-1]] = 0.0
+        moves = smoothed
+    return moves
 
 
 def _near(strands: Strands, surface: Surface, turn: Floats, shift: Floats) -> NDArray[np.bool_]:
