@@ -155,7 +155,7 @@ def _finish(folder: Path, settings: Mapping[str, Any], entries: Sequence[Mapping
         write_sheet(folder / SHEET, cells, min(COLUMNS, len(cells)), WIDTH)
         made.append(SHEET)
     if not settings["no_html"]:
-        from ..html_report.sweep import FILE, write_sweep
+        from ..html_report.run import FILE, write_sweep
 
         write_sweep(folder, options.preset_name(settings["preset"]), entries, *rows_of(entries))
         made.append(FILE)

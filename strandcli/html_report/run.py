@@ -1,14 +1,17 @@
-"""report.html of a run: what report.json tells, with the pictures."""
+"""report.html of a run: what report.json tells, with the pictures; and of a sweep, a picture a run and the table."""
 
 from __future__ import annotations
 
 import datetime
+import urllib.parse
 from collections.abc import Iterator, Mapping, Sequence
 from contextlib import suppress
 from pathlib import Path
 from statistics import median
 from typing import TYPE_CHECKING, Any, Self
 
+from .. import __version__
+from ..common.counted import counted
 from ..errors import StrandError
 from ..output.files import megabytes, write_pieces
 from . import page, pictures
@@ -22,6 +25,10 @@ SHEET = 12
 SHEET_BYTES, LARGE_BYTES = 480_000, 200_000
 """Of all pictures of the sheet, and of the large one, before they are written as text, which takes a third more."""
 PRESET_CHARACTERS = 120_000
+MOST_ROWS = 1000
+"""Of a sweep's table; the file beside has all."""
+MOST_PICTURES, BYTES = 48, 900_000
+"""Of a sweep, and of all its pictures."""
 ERRORS = {
     "stretch_max": ("stretch", 100.0, " %"), "penetration_max": ("depth of particles in solids", 1000.0, " mm"),
     "segment_penetration_max": ("depth of segments in solids", 1000.0, " mm"),
@@ -208,3 +215,43 @@ class HtmlPage:
                 data = read_report(self._directory)
                 if data is not None and data.keys() >= {"preset", "status", "strandcli"}:
                     self.write(data)
+
+
+def write_sweep(
+    folder: Path, name: str, entries: Sequence[Mapping[str, Any]], head: Sequence[str], rows: Sequence[Sequence[Any]]
+) -> Path:
+    """Write the page beside the points' folders, whole or not at all. ``entries``: a mapping a point; ``head`` and
+    ``rows``: the table."""
+    failed = [one for one in entries if one["status"] != "complete"]
+    axes = " × ".join(f"{key} ({len({one['settings'][key] for one in entries})})" for key in entries[0]["settings"])
+    drawn = pictures.chosen([one for one in entries if one["last_frame"]], MOST_PICTURES)
+    cells = [_cell(folder, one, BYTES // len(drawn)) for one in drawn]
+    more = f"<p>{len(drawn)} of {counted(len(entries), 'run')}</p>" if len(drawn) < len(entries) else ""
+    shown = [one not in ("folder", "last_frame", "pixels_sha256") for one in head]
+    table = [[value for value, keep in zip(row, shown, strict=True) if keep] for row in rows[:MOST_ROWS]]
+    heads = [one for one, keep in zip(head, shown, strict=True) if keep]
+    numbers = [i for i in range(len(heads)) if all(_is_number(row[i]) for row in table)]
+    path = folder / FILE
+    write_pieces(path, [page.page(f"{name}, a sweep: strandcli", [
+        page.header(f"{name}, a sweep", f"{len(failed)} went wrong" if failed else "complete",
+                    "bad" if failed else "", f"{counted(len(entries), 'run')} · {axes}"),
+        page.section("Last frames", f'<div class="sheet">{"".join(cells)}</div>{more}' if cells else ""),
+        page.section("Table", page.table(table, [one.replace("_", " ") for one in heads], numbers)),
+        page.footer(__version__),
+    ])])  # fmt: skip
+    return path
+
+
+def _cell(folder: Path, entry: Mapping[str, Any], most_bytes: int) -> str:
+    """A picture that leads to the page of its run."""
+    words = ", ".join(f"{key} = {value}" for key, value in entry["settings"].items())
+    inner = cell(folder / entry["folder"] / entry["last_frame"], words, most_bytes)
+    return f'<a href="{page.text(urllib.parse.quote(entry["folder"]))}/{FILE}">{inner}</a>'
+
+
+def _is_number(value: Any) -> bool:
+    try:
+        float(value)
+    except (TypeError, ValueError):
+        return value == ""
+    return True
