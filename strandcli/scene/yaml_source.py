@@ -1,12 +1,13 @@
 """YAML text to a tree that knows its places (`nodes.py`).
 
-Built on the events of PyYAML's parsers, whose state machines do not recurse, so that size and depth are checked before
-anything grows. Refused: anchors and aliases (a few lines of them can unfold to gigabytes), tags,
+Built on the events of PyYAML's parsers, whose state machines do not recurse, so that depth is checked before anything
+grows. Refused: anchors and aliases (a few lines of them can unfold to gigabytes), tags,
 duplicate keys (YAML lets the last one win in silence), more than one document, and anything that is not UTF-8.
 """
 
 from __future__ import annotations
 
+from collections.abc import Iterator, Mapping
 from typing import TYPE_CHECKING, Any, NoReturn
 
 from .faults import Fault, Mark, SceneError, fault_at, one_line, shown
@@ -16,7 +17,6 @@ if TYPE_CHECKING:
     import yaml
 
 LARGEST_FILE = 1 << 20  # bytes
-LONG = 1 << 16  # characters
 DEEPEST = 32
 
 
@@ -47,12 +47,8 @@ def read_value(text: str, file: str) -> Node:
     """
     here = Mark(file)
     builder = _Builder(here, lines=False)
-    if text.lstrip().startswith("#"):
-        plain = Scalar(builder.checked(text.strip(), here), True, here)
-        if builder.faults:
-            raise SceneError(builder.faults)
-        return plain
-    node = builder.build(text)
+    comment = text.lstrip().startswith("#")
+    node = Scalar(builder.checked(text.strip(), here), True, here) if comment else builder.build(text)
     if builder.faults:
         raise SceneError(builder.faults)
     if node is None:
@@ -62,41 +58,13 @@ def read_value(text: str, file: str) -> Node:
     return node
 
 
-class _OpenList:
-    """A list whose end has not been read yet."""
-
-    def __init__(self, mark: Mark) -> None:
-        self.mark = mark
-        self.items: list[Node] = []
-
-    def close(self) -> Node:
-        return ListNode(tuple(self.items), self.mark)
-
-
-class _OpenMap:
-    """A mapping whose end has not been read yet. ``key`` waits for its value; None drops that value."""
-
-    def __init__(self, mark: Mark) -> None:
-        self.mark = mark
-        self.entries: dict[str, Entry] = {}
-        self.waiting = False
-        self.key: str | None = None
-        self.key_mark = mark
-
-    def close(self) -> Node:
-        return MapNode(self.entries, self.mark)
-
-
 class _Builder:
-    """Builds one tree from events, with its own stack, and gathers faults on the way."""
+    """Builds one tree from events, and gathers faults on the way."""
 
     def __init__(self, origin: Mark, lines: bool = True) -> None:
         self.origin = origin
         self.lines = lines
         self.faults: list[Fault] = []
-        self.stack: list[_OpenList | _OpenMap] = []
-        self.root: Node | None = None
-        self.documents = 0
 
     def stop(self, mark: Mark, message: str) -> NoReturn:
         """Give up, reporting what was found so far too."""
@@ -109,14 +77,17 @@ class _Builder:
         return Mark(self.origin.file, mark.line + 1, mark.column + 1)
 
     def build(self, text: str) -> Node | None:
-        """The tree of ``text``, or None where it holds no document."""
+        """The tree of ``text``, or None where it holds no document. By libyaml, 100 times faster; but what is wrong is
+        told best by the parser in Python."""
         import yaml  # 30 ms, which commands that read no preset need not spend
 
+        if yaml.__with_libyaml__:
+            try:
+                return self.root(yaml.parse(text, Loader=yaml.CSafeLoader))
+            except (yaml.YAMLError, ValueError, OverflowError):
+                self.faults = []
         try:
-            if len(text) > LONG and yaml.__with_libyaml__ and self.build_fast(text):
-                return self.root
-            for event in yaml.parse(text, Loader=yaml.SafeLoader):
-                self.take(event)
+            return self.root(yaml.parse(text, Loader=yaml.SafeLoader))
         except yaml.reader.ReaderError as error:
             line = text.count("\n", 0, error.position)
             column = error.position - (text.rfind("\n", 0, error.position) + 1)
@@ -125,78 +96,54 @@ class _Builder:
         except yaml.MarkedYAMLError as error:
             self.stop(self.mark(error.problem_mark or error.context_mark), _advice(error))
         except (ValueError, OverflowError):  # PyYAML on \UFFFFFFFF, and on a %YAML directive of 5,000 digits
-            self.stop(
-                self.origin if not self.lines else Mark(self.origin.file, 1, 1),
-                "has a number or an escape that YAML does not allow",
-            )
-        return self.root
+            mark = self.origin if not self.lines else Mark(self.origin.file, 1, 1)
+            self.stop(mark, "has a number or an escape that YAML does not allow")
 
-    def build_fast(self, text: str) -> bool:
-        """The same by libyaml, 100 times faster, or False: what is wrong is told best by the parser in Python."""
+    def root(self, events: Iterator[yaml.Event]) -> Node | None:
+        """The tree of the only document."""
         import yaml
 
-        trial = _Builder(self.origin, self.lines)
-        try:
-            for event in yaml.parse(text, Loader=yaml.CSafeLoader):
-                trial.take(event)
-        except (yaml.YAMLError, ValueError, OverflowError):
-            return False
-        self.faults, self.root = trial.faults, trial.root
-        return True
+        root: Node | None = None
+        for event in events:
+            if isinstance(event, yaml.DocumentStartEvent) and root is not None:
+                self.stop(
+                    self.mark(event.start_mark), "has more than one document; a preset is one, without `---` inside"
+                )
+            if isinstance(event, yaml.NodeEvent):
+                root = self.node(event, events, 0)
+        return root
 
-    def take(self, event: yaml.Event) -> None:
-        """Add one event to the tree."""
+    def node(self, event: yaml.Event, events: Iterator[yaml.Event], depth: int) -> Node:
+        """The tree that an event begins, so deep inside others."""
         import yaml
 
         mark = self.mark(event.start_mark)
-        if isinstance(event, yaml.DocumentStartEvent):
-            self.documents += 1
-            if self.documents > 1:
-                self.stop(mark, "has more than one document; a preset is one, without `---` inside")
-        elif isinstance(event, yaml.AliasEvent):
+        if isinstance(event, yaml.AliasEvent):
             self.refuse(mark, f"`*{event.anchor}`: aliases are refused; write the value again, or use `extends`")
-            self.add(Scalar("null", True, mark))
-        elif isinstance(event, yaml.NodeEvent):
-            self.start(event, mark)
-        elif isinstance(event, yaml.CollectionEndEvent):
-            self.add(self.stack.pop().close())
-
-    def start(self, event: yaml.NodeEvent, mark: Mark) -> None:
-        """Add a scalar, or open a collection."""
-        import yaml
-
+            return Scalar("null", True, mark)
+        assert isinstance(event, yaml.ScalarEvent | yaml.CollectionStartEvent)
         if event.anchor is not None:
             self.refuse(mark, f"`&{event.anchor}`: anchors are refused; write the value again, or use `extends`")
-        if isinstance(event, yaml.ScalarEvent):
-            if event.tag is not None:
-                self.refuse(mark, f"`{event.tag}`: tags are refused")
-            self.add(Scalar(self.checked(event.value, mark), not event.style, mark))
-            return
-        assert isinstance(event, yaml.CollectionStartEvent)
         if event.tag is not None:
             self.refuse(mark, f"`{event.tag}`: tags are refused")
-        if len(self.stack) >= DEEPEST:
+        if isinstance(event, yaml.ScalarEvent):
+            return Scalar(self.checked(event.value, mark), not event.style, mark)
+        if depth >= DEEPEST:
             self.stop(mark, f"is nested more than {DEEPEST} deep")
-        self.stack.append(_OpenMap(mark) if isinstance(event, yaml.MappingStartEvent) else _OpenList(mark))
+        inside: list[Node] = []
+        entries: dict[str, Entry] = {}
+        while not isinstance(one := next(events), yaml.CollectionEndEvent):
+            node = self.node(one, events, depth + 1)
+            if isinstance(event, yaml.SequenceStartEvent):
+                inside.append(node)
+                continue
+            key = self.key(entries, node)
+            value = self.node(next(events), events, depth + 1)
+            if key is not None:
+                entries[key] = Entry(node.mark, value)
+        return ListNode(tuple(inside), mark) if isinstance(event, yaml.SequenceStartEvent) else MapNode(entries, mark)
 
-    def add(self, node: Node) -> None:
-        """Put a finished node where the open collection wants it."""
-        if not self.stack:
-            self.root = node
-            return
-        parent = self.stack[-1]
-        if isinstance(parent, _OpenList):
-            parent.items.append(node)
-        elif parent.waiting:
-            if parent.key is not None:
-                parent.entries[parent.key] = Entry(parent.key_mark, node)
-            parent.waiting = False
-        else:
-            parent.waiting = True
-            parent.key = self.key(parent, node)
-            parent.key_mark = node.mark
-
-    def key(self, parent: _OpenMap, node: Node) -> str | None:
+    def key(self, entries: Mapping[str, Entry], node: Node) -> str | None:
         """The key that ``node`` is, or None after a fault."""
         if not isinstance(node, Scalar):
             self.refuse(node.mark, "a key must be a single word")
@@ -204,8 +151,8 @@ class _Builder:
         if node.text == "<<" and node.plain:
             self.refuse(node.mark, "merge keys are refused; use `extends`")
             return None
-        if node.text in parent.entries:
-            first = parent.entries[node.text].mark.line
+        if node.text in entries:
+            first = entries[node.text].mark.line
             where = f", first given on line {first}" if first else ""
             self.refuse(node.mark, f"duplicate key {shown(node.text)}{where}")
             return None

@@ -11,7 +11,6 @@ from hypothesis import given
 from hypothesis import strategies as st
 
 from scene_kit import complaint, complaints, error_of, scene
-from strandcli.scene import SceneError, yaml_source
 from strandcli.scene.nodes import ListNode, MapNode, Node
 from strandcli.scene.yaml_source import DEEPEST, read
 
@@ -174,20 +173,10 @@ def leaves(node: Node) -> Any:
 
 
 @given(st.lists(st.dictionaries(st.text("abc:#'\" é-", max_size=5), st.integers() | st.text(max_size=8)), max_size=6))
-def test_the_parser_of_long_texts_finds_the_same_tree(value: list[Any]) -> None:
+def test_both_parsers_find_the_same_tree(value: list[Any]) -> None:
     data = yaml.safe_dump({"key": value}, allow_unicode=True).encode()
-    with patch.object(yaml_source, "LONG", 0):
+    with patch.object(yaml, "__with_libyaml__", False):
         tree, faults = read(data, "f.yaml")
     same, none = read(data, "f.yaml")
     assert leaves(tree) == leaves(same)
     assert faults == none
-
-
-def test_a_long_text_with_a_fault_is_told_as_a_short_one_is() -> None:
-    lines = "- [1, 2]\n" * 8_000  # more than `yaml_source.LONG`
-    with pytest.raises(SceneError) as caught:
-        read(f"a:\n{lines}- [1, 2\nb: 3\n".encode(), "f.yaml")
-    with pytest.raises(SceneError) as short:
-        read(b"a:\n- [1, 2\nb: 3\n", "f.yaml")
-    assert str(caught.value).partition(": ")[2] == str(short.value).partition(": ")[2]
-    assert str(caught.value).startswith("f.yaml:8003:")
