@@ -16,7 +16,7 @@ import yaml
 
 from fuzz_changes import OTHERS, mutated
 from strandcli.cli.main import main
-from strandcli.scene import chain, library
+from strandcli.scene import library
 
 LONGEST = 1.0
 """Seconds of a processor's time for one command."""
@@ -107,7 +107,7 @@ def remember_shipped() -> None:
     time."""
     whole = {path.read_bytes() for path in FILES.glob("**/*.yaml")}
     known: dict[tuple[bytes, str], Any] = {}
-    parse = chain.read
+    parse = library.read
 
     def read(data: bytes, file: str) -> Any:
         if data not in whole or not file.startswith(str(FILES)):
@@ -116,7 +116,7 @@ def remember_shipped() -> None:
             known[data, file] = parse(data, file)
         return known[data, file]
 
-    chain.read = read
+    library.read = read
     library.list_presets = cache(library.list_presets)
 
 

@@ -180,7 +180,7 @@ def load_scene(
     """The preset with what the common options change. Says on stderr where a shipped name hides a file."""
     import strandcli
 
-    from ..scene.chain import hidden_by_shipped
+    from ..scene.library import hidden_by_shipped
 
     hidden = hidden_by_shipped(preset)
     context = click.get_current_context(silent=True)

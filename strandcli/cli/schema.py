@@ -24,7 +24,7 @@ def command(output: Path | None, markdown: bool, overwrite: bool) -> None:
     from ..simulate.rules import registry
 
     if markdown:
-        from ..scene.reference import markdown as reference
+        from ..scene.schema import markdown as reference
 
         text = reference(registry())
     else:

@@ -5,7 +5,7 @@ from __future__ import annotations
 import dataclasses
 from typing import Any
 
-from .checks_of_file import grown
+from .checks import grown
 from .fields import settings_of
 from .model import RuleUse, Scene
 

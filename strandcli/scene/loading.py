@@ -7,9 +7,9 @@ import os
 from collections.abc import Callable, Iterable, Mapping, Sequence
 from typing import Any
 
-from .chain import chain_of, feed, locate
 from .checks import findings
 from .faults import Fault, Mark, SceneError, fault_at, hint
+from .library import chain_of, feed, locate
 from .model import Scene
 from .nodes import ListNode, MapNode, Node, Scalar, kind_of, marks_of, node_of
 from .quality import settle, with_quality

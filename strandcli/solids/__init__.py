@@ -14,8 +14,8 @@ from typing import Any, NamedTuple
 import numpy as np
 from numpy.typing import NDArray
 
+from ..scene.model.solids import add as register
 from ..scene.motion import Pose, solid_pose
-from ..scene.solid_shape import add as register
 from .shapes import box, capsule, other, other_code, plane, sphere
 
 __all__ = [

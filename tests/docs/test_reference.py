@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 from pages import ROOT
-from strandcli.scene.reference import markdown
+from strandcli.scene.schema import markdown
 from strandcli.simulate import rules
 
 SHIPPED = (

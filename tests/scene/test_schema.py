@@ -18,7 +18,7 @@ from scene_strategies import single_scenes
 from strandcli.scene import dump, json_schema, loads, to_dict
 from strandcli.scene.fields import settings_of
 from strandcli.scene.model import LIGHTS, SOLIDS, Scene
-from strandcli.scene.reference import markdown, sections
+from strandcli.scene.schema import markdown, sections
 from strandcli.scene.specs import Spec
 from strandcli.simulate.rules import registry
 

@@ -9,7 +9,7 @@ import numpy as np
 import pytest
 
 from strandcli.errors import UsageError
-from strandcli.scene.checks_of_file import rod_clashes
+from strandcli.scene.checks import findings
 from strandcli.simulate import solver_of
 from strandcli.study.stress import matrix, run, scenes
 from strandcli.study.stress.matrix import AXES, DEFAULTS, GROUPED, Case, case_named, refusal
@@ -97,7 +97,7 @@ def test_every_combination_of_what_rods_do_together_meets_every_pair_of_other_ax
 def test_no_case_is_one_that_presets_are_refused_for() -> None:
     for row in product(*(tuple(AXES[axis]) for axis in GROUPED)):
         case = Case.of("rod", {"start": "random", "n": "3", **dict(zip(GROUPED, row, strict=True))})
-        assert bool(list(rod_clashes(scenes.scene_of(case, scenes.times_of(case))))) == bool(refusal(case))
+        assert bool(list(findings(scenes.scene_of(case, scenes.times_of(case))))) == bool(refusal(case))
 
 
 @pytest.mark.parametrize("start", AXES["start"])

@@ -9,7 +9,7 @@ from typing import Any, NamedTuple
 import numpy as np
 from numpy.typing import NDArray
 
-from ...scene.solid_shape import shape_of
+from ...scene.model.solids import shape_of
 from ...solids import Solids
 from ...solids.shapes import other
 from ..common.kernels.keys import FIRST

@@ -1,4 +1,4 @@
-"""A mesh as a shape of solid: `strandcli.scene.solid_shape.SolidShape` by its tree of triangles and its grid of
+"""A mesh as a shape of solid: `strandcli.scene.model.solids.SolidShape` by its tree of triangles and its grid of
 distances. Numbers are the mesh's place in the data."""
 
 from __future__ import annotations

@@ -11,9 +11,20 @@ string "#rrggbb" which is read as sRGB.
 
 from __future__ import annotations
 
-from .camera import AOVS, Camera, CameraKey, Image
+from .camera import (
+    AOVS,
+    LIGHTS,
+    AmbientOcclusion,
+    Camera,
+    CameraKey,
+    DirectionalLight,
+    Environment,
+    Image,
+    Light,
+    PointLight,
+    Shadow,
+)  # fmt: skip
 from .emitter import DiscShape, Emitter, Extent, Followers, GroomFile, PlaneShape, SphereShape, Tie
-from .lights import LIGHTS, AmbientOcclusion, DirectionalLight, Environment, Light, PointLight, Shadow
 from .placed import MeshKey, MeshShape, PoseKey
 from .scene import RuleUse, Scene, Time
 from .solids import SOLIDS, BoxSolid, CapsuleSolid, PlaneSolid, Solid, SolidSettings, SphereSolid

@@ -6,11 +6,9 @@ their own.
 
 from __future__ import annotations
 
-from collections.abc import Iterator
 from dataclasses import dataclass
 from typing import Any
 
-from ..faults import Finding
 from ..fields import Vector, choice, file, items, number, surface_map, text, vector
 
 AXES = ("x", "y", "z", "-x", "-y", "-z")
@@ -40,13 +38,6 @@ def placing(where: str = "it is", box: str = "its box") -> Any:
         doc=f"file: where {where} in the file; origin: the middle of {box} at the origin; ground: above it, the lowest "
         "point at y = 0",
     )
-
-
-def both_sizes(path: str, given: Any) -> Iterator[Finding]:
-    """Yield the clash of a scale and a size where settings at a path have both."""
-    if given.size is not None and given.scale is not None:
-        message = f"clashes with {path}.size, which sets the same; set one to null"
-        yield Finding((f"{path}.scale", f"{path}.size"), message)
 
 
 @dataclass(frozen=True, slots=True, repr=False)

@@ -8,9 +8,8 @@ from dataclasses import dataclass, field
 from typing import Any
 
 from ..fields import Colour, boolean, choice, colour, integer, items, model, number, optional, panels, rules, text
-from .camera import Camera, Image
+from .camera import LIGHTS, MOST_LIGHTS, AmbientOcclusion, Camera, DirectionalLight, Environment, Image, Light
 from .emitter import Emitter
-from .lights import LIGHTS, MOST_LIGHTS, AmbientOcclusion, DirectionalLight, Environment, Light
 from .solids import SOLIDS, Solid
 from .strands import Children, Curves, Detail, Material, Rod
 

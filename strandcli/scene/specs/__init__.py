@@ -3,5 +3,18 @@ it is read of a preset, and its part of the JSON Schema."""
 
 from .base import LARGEST, SMALLEST, Range, Refusal, Spec, as_number
 from .mappings import MOST_ITEMS, MOST_PANELS, ItemsSpec, ModelSpec, PanelsSpec, ParametersSpec, RulesSpec, UnionSpec
-from .numbers import NO_COLOUR, ColourSpec, IntegerSpec, NumberSpec, SizeSpec, VectorSpec, WindowSpec
-from .words import BooleanSpec, ChoiceSpec, FileSpec, MapSpec, NamesSpec, TextSpec
+from .values import (
+    NO_COLOUR,
+    BooleanSpec,
+    ChoiceSpec,
+    ColourSpec,
+    FileSpec,
+    IntegerSpec,
+    MapSpec,
+    NamesSpec,
+    NumberSpec,
+    SizeSpec,
+    TextSpec,
+    VectorSpec,
+    WindowSpec,
+)  # fmt: skip

@@ -14,8 +14,8 @@ from typing import Any
 import numpy as np
 from numpy.typing import NDArray
 
+from ...scene.model.solids import has_data, shape_of
 from ...scene.motion import Pose
-from ...scene.solid_shape import has_data, shape_of
 
 X, Y, Z = range(3)
 """Columns of a packed solid: its origin, metres."""

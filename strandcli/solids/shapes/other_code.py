@@ -13,7 +13,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from ...errors import UsageError
-from ...scene.solid_shape import OPTIONAL, has_data, shape_of
+from ...scene.model.solids import OPTIONAL, has_data, shape_of
 from .other import KIND, NUMBERS, REACH, ROW_X, count_of, data_of, kinds_of
 from .other_template import DISTANCES, DRIFT, LOOK, MEETS, MODULE, RAY, SLOPES
 

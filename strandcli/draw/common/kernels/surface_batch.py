@@ -15,7 +15,7 @@ THERE = layout.allocate(surfaces="ambient:out")[0]
 # front of itself.
 SHARE = layout.allocate(surfaces="gather:out")[0]
 RAYS = layout.allocate(surfaces="gather")[0]
-# A number that the look of a solid is looked for at (`strandcli.scene.solid_shape.SolidShape.look`), or −1.
+# A number that the look of a solid is looked for at (`strandcli.scene.model.solids.SolidShape.look`), or −1.
 BEFORE = layout.allocate(surfaces="gather:ambient")[0]
 # Width of a pixel on the surface, metres, and patches in [−1, 1].
 ACROSS, TONE = layout.allocate(2, surfaces="ambient")
