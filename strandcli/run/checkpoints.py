@@ -11,9 +11,6 @@ follows from.
 
 from __future__ import annotations
 
-import hashlib
-import json
-import platform
 import re
 import time
 from collections.abc import Callable, Iterable
@@ -172,19 +169,7 @@ def of_run(
 
 def key_of(scene: Scene) -> str:
     """Return 64 hexadecimal digits: the hash of all that the bits of a simulation's state depend on."""
-    import llvmlite.binding as llvm
-    import numba
-    import numpy as np
-
-    from ..jit import sources
     from ..simulate.rules import registry
 
-    rules = sorted(
-        {getattr(registry()[use.name], "__name__", type(registry()[use.name]).__module__) for use in scene.rules}
-    )
-    parts = [
-        __version__, motion_values(scene), [sources.digest(one) for one in (*CODE, *rules)],
-        platform.machine(), llvm.get_host_cpu_name(), platform.libc_ver(),
-        numba.__version__, llvm.llvm_version_info, np.__version__,
-    ]  # fmt: skip
-    return hashlib.sha256(json.dumps(parts, sort_keys=True, default=repr).encode()).hexdigest()
+    rules = {getattr(registry()[use.name], "__name__", type(registry()[use.name]).__module__) for use in scene.rules}
+    return kept.key_of(FOLDER, (*CODE, *sorted(rules)), (__version__, motion_values(scene)))

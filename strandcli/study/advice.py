@@ -20,8 +20,7 @@ from ..compiling import runtime
 from ..errors import MismatchError, StrandError
 from ..output.files import read_json, write_json
 from ..output.report import finite
-from ..run.fingerprint import fingerprint
-from ..scene.dump import plain
+from ..run.fingerprint import fingerprint, motion_values
 from ..scene.model import Scene
 from . import sweep
 from .axes import STRANDS, Request, settled
@@ -29,8 +28,6 @@ from .pictures.frame import FrameStudy
 from .points import described
 from .report import seconds, share
 
-MOVING = ("seed", "solver", "rod", "time", "emitter", "rules", "solids")
-"""The settings of a scene that its motion depends on."""
 ADVISED = ("time.substeps", "rod.iterations", "emitter.particles")
 """The parameters of motion that are varied, unless the user has set them."""
 METRICS = {"picture": "rmse", "flip": "flip"}
@@ -157,7 +154,7 @@ def _missed(known: Sequence[Mapping[str, Any]], name: str, asked: Mapping[str, f
 
 def motion_of(scene: Scene, chosen: Mapping[str, Any]) -> list[Any]:
     """What a study of motion follows from: everything that moves the strands, and the study's parameters."""
-    return [STRANDS, {name: plain(getattr(scene, name)) for name in MOVING}, chosen]
+    return [STRANDS, motion_values(scene), chosen]
 
 
 def picture_of(scene: Scene, fixed: Sequence[str]) -> list[Any]:
