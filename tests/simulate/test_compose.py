@@ -74,16 +74,6 @@ def test_a_rule_that_is_not_listed_or_has_nothing_to_do_is_not_in_the_source() -
     assert text_of("elasticity").count("pass_") == 2  # made, and called
 
 
-def test_a_collision_holds_only_the_kinds_of_solid_that_there_are() -> None:
-    text = text_of("collision")
-    assert "kernels.sphere import collide" in text
-    assert "kernels.box import collide" in text
-    assert "capsule" not in text
-    assert "plane" not in text
-    assert "kernels.segments" not in text
-    assert "kernels.segments import box" in text_of("collision: {segments: true}")
-
-
 def test_without_rules_nothing_is_composed_and_nothing_moves() -> None:
     scene = scene_of(SCENE % "")
     solver = solver_of(scene, plain=True)

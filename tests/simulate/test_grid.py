@@ -14,7 +14,7 @@ from strand_kit import scene_of
 from strandcli.errors import UsageError
 from strandcli.scene import SceneError
 from strandcli.simulate.grid.kernels import pressure as grid_pressure
-from strandcli.simulate.grid.kernels.records import BETWEEN, LOW, MASS, SIZE, Room
+from strandcli.simulate.grid.kernels.records import LOW, MASS, SIZE, Room
 from strandcli.simulate.grid.strand_grid import Moment
 from strandcli.simulate.rod.kernels.arrays import PACK
 from strandcli.simulate.rod.solver import RodSolver
@@ -69,20 +69,6 @@ def test_segments_are_spread_over_the_cells_around_them(cell: float) -> None:
         twin[tuple(np.array(key) - box[LOW : LOW + 3])] = values
     np.testing.assert_allclose(grid[:4].T, twin.transpose(2, 1, 0, 3).reshape(-1, 4), atol=2e-6)
     assert grid[MASS].sum() == pytest.approx(40 * 0.2, rel=1e-5)
-
-
-def test_what_lies_between_middles_is_counted_along_each_axis() -> None:
-    """Both are shares of the same metres; of the cells' own, sums along an axis are those of what is between."""
-    solver = rod_of(f"emitter: {{{BALL}, strands: 40}}\nrules: [interaction: {{cell: 0.03}}]")
-    prepare(solver)
-    box, grid = solver.grid.boxes[-1], solver.grid.grid
-    cells = grid.T.reshape(*box[SIZE : SIZE + 3][::-1], -1).astype(float)
-    for axis in range(3):
-        between = cells[..., BETWEEN + axis]
-        np.testing.assert_allclose(between.sum(2 - axis), cells[..., MASS].sum(2 - axis), atol=1e-6)
-        own = np.cumsum(cells[..., MASS], 2 - axis)  # what is before a middle and a cell beyond it
-        assert (np.cumsum(between, 2 - axis) >= own - 1e-6).all()
-        assert (np.cumsum(between, 2 - axis) <= own + np.roll(cells[..., MASS], -1, 2 - axis) + 1e-6).all()
 
 
 def test_friction_alone_never_adds_energy() -> None:

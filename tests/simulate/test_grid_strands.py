@@ -12,7 +12,6 @@ from strandcli.errors import UsageError
 from strandcli.groom.emit import emit
 from strandcli.groom.record import Groom
 from strandcli.simulate.grid.kernels import forces, records
-from strandcli.simulate.grid.kernels.forces import CHANGED, SLIGHT
 from strandcli.simulate.health import crowding
 from strandcli.simulate.rod.solver import RodSolver
 from tests.simulate.test_grid import BALL, rows
@@ -116,30 +115,6 @@ emitter: {shape: {kind: sphere, radius: 1}, strands: 1000, particles: 15, length
 solids: [{kind: sphere, radius: 1}]
 rules: [gravity, collision, interaction: {}]
 """
-
-
-def test_they_are_those_whose_push_changes_much() -> None:
-    """A twin in NumPy, of strands whose particles are the grid's nodes."""
-    solver = rod_of(
-        f"time: {{fps: {FPS}}}\nemitter: {{{BALL}, strands: 400}}\n"
-        "rules: [gravity, interaction: {cell: 0.03, density: 4000}]"
-    )
-    pushed, shares = solver.grid.pushed, []
-    for frame in range(2, 12):
-        past, v = rows(pushed, 400), rows(solver.state.velocity, 400)
-        solver.advance(frame)
-        changed = ((rows(pushed, 400) - past) ** 2).sum((1, 2))
-        speed = ((v - v[:, -1:]) ** 2).sum((1, 2))
-        margins = (
-            changed / (CHANGED**2 * (past**2).sum((1, 2)) + 1e-30),
-            changed / (FPS * SLIGHT) ** 2 / (speed + 1e-30),
-        )
-        least = np.minimum(*margins)
-        marked = solver.state.jolted.reshape(-1)[:400] > 0
-        clear = np.abs(least - 1) > 1e-3
-        np.testing.assert_array_equal(marked[clear], (least > 1)[clear], f"frame {frame}")
-        shares.append(marked.mean())
-    assert 0.05 < np.mean(shares) < 0.95
 
 
 def test_a_brush_that_falls_does_not_boil() -> None:

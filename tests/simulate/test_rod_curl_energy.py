@@ -3,7 +3,6 @@
 from __future__ import annotations
 
 import math
-from typing import Any
 
 import numpy as np
 import pytest
@@ -11,11 +10,6 @@ from numpy.typing import NDArray
 
 from rod_kit import each_step, rod_of
 from strand_kit import require_same_after_restart
-from strandcli.constants import VECTOR
-from strandcli.groom.blocks import aligned
-from strandcli.jit import function
-from strandcli.simd import load, store, vector_pointer
-from strandcli.simulate.rod.kernels import rest_shape
 from strandcli.simulate.rod.solver import RodSolver
 
 G = 9.81
@@ -77,42 +71,3 @@ def test_energy_does_not_grow(
 def test_a_run_of_hinged_curls_goes_on_from_its_state() -> None:
     keys = ", keys: [{time: 0}, {time: 1, rotation: [0, 200, 60]}]"
     require_same_after_restart(*(curls(24, 13, 3, 56, 2.7, HINGED, keys, 0.1) for _ in range(2)))
-
-
-LANES = VECTOR // 8
-
-
-@function
-def torques(given: Any, out: Any, count: int) -> None:
-    at, to = vector_pointer(given), vector_pointer(out)
-    for i in range(count):
-        x, y, v, w = load(at, i), load(at, count + i), load(at, 2 * count + i), load(at, 3 * count + i)
-        turn, stiff = rest_shape.torque(x, y, v, w)
-        store(to, i, turn)
-        store(to, count + i, stiff)
-
-
-def test_a_step_of_twist_lowers_the_energy_of_a_bend() -> None:
-    """And goes to the balance at once where it is near."""
-    draw, count = np.random.Generator(np.random.Philox(key=3)), 512 * LANES
-    given, out = aligned((4, count), np.float64), aligned((2, count), np.float64)
-    given[...] = draw.normal(size=given.shape)
-
-    def bent(angle: NDArray[np.float64]) -> NDArray[np.float64]:
-        x, y, v, w = given
-        c, d = np.cos(angle), np.sin(angle)
-        return 0.5 * ((c * x + d * y - v) ** 2 + (c * y - d * x - w) ** 2)
-
-    def step() -> NDArray[np.float64]:
-        torques(given.reshape(-1), out.reshape(-1), count // LANES)
-        return np.asarray(out[0] / out[1])
-
-    zero, first = np.zeros(count), step()
-    assert (bent(first) <= bent(zero) + 1e-12).all()
-    small = 1e-6
-    slope = (bent(zero + small) - bent(zero - small)) / (2 * small)
-    np.testing.assert_allclose(out[0], -slope, atol=1e-8)
-    given[:2] = given[2:]  # at rest, and then turned a little
-    c, d = math.cos(0.01), math.sin(0.01)
-    given[0], given[1] = c * given[2] - d * given[3], c * given[3] + d * given[2]
-    assert np.abs(step() - 0.01).max() < 1e-6

@@ -15,7 +15,6 @@ from strandcli.errors import UsageError
 from strandcli.groom.record import Groom
 from strandcli.scene import SceneError
 from strandcli.simulate.contact.kernels import contact_response
-from strandcli.simulate.contact.kernels.contact_pairs import Nearby
 from strandcli.simulate.rod.kernels.arrays import PACK
 
 Floats = NDArray[np.float64]
@@ -143,24 +142,6 @@ def test_the_response_is_how_the_step_answers_a_force(curled: bool) -> None:
     force[end : end + 3], force[end - 3 : end] = 0.3 / 0.5 * np.eye(3), 0.7 / 0.5 * np.eye(3)
     wanted = np.linalg.solve(matrix, force)[: 3 * n].reshape(n, 3, 3)
     np.testing.assert_allclose(out[0, 0], wanted, atol=1e-10)
-
-
-def test_pairs_are_those_whose_boxes_meet() -> None:
-    """Against all pairs, of segments that differ a hundredfold in size."""
-    rng = np.random.default_rng(1)
-    start = rng.normal(size=(30, 1, 3)) + np.cumsum(
-        rng.normal(size=(30, 8, 3)) * np.exp(rng.normal(size=(30, 1, 1)) - 2), 1
-    )
-    end = start + 0.1 * rng.normal(size=start.shape)
-    found = Nearby(7, 1).find(start, end, 0.1)
-    ends = np.stack([start[:, :-1], start[:, 1:], end[:, :-1], end[:, 1:]])
-    low, high = ends.min(0).reshape(-1, 3) - 0.05, ends.max(0).reshape(-1, 3) + 0.05
-    meet = ((low[:, None] <= high[None]) & (low[None] <= high[:, None])).all(2)
-    i, j = np.nonzero(np.triu(meet, 1))
-    keep = (i // 7 != j // 7) | (abs(i - j) > 1)
-    wanted = np.stack([i // 7, i % 7, j // 7, j % 7], 1)[keep]
-    np.testing.assert_array_equal(found, wanted)
-    assert len(found) > 300
 
 
 TUFT = (

@@ -7,10 +7,8 @@ from typing import Any
 import numpy as np
 import pytest
 
-from strandcli import solids
 from strandcli.constants import W
 from strandcli.errors import UsageError
-from strandcli.scene.motion import solid_pose
 from strandcli.simulate.rod.surroundings import Surroundings
 from tests.simulate.test_rod import scene
 
@@ -29,27 +27,6 @@ ALL = [
 def around(collision: Any = "collision", *rules: Any, **changes: Any) -> Surroundings:
     one = scene(10.0, **{"solids": ALL, "emitter.keys": TURN, "rules": ["gravity", collision, *rules], **changes})
     return Surroundings(one, np.float64)
-
-
-@pytest.mark.parametrize("times", [(0.25,), (0.25, 0.5, 0.75, 1.0, 1.25), (0.5, 0.25)])
-def test_solids_are_where_they_are_with_the_motion_that_took_them_there(times: tuple[float, ...]) -> None:
-    mine, dt = around(), 0.25
-    for time in times:
-        packed, whole = mine.solids(time, dt), mine.segments
-    assert not whole
-    emitter = mine.scene.emitter
-    for kind, rows in zip(solids.COLUMNS, packed, strict=True):
-        columns = solids.COLUMNS[kind]
-        expected = [one for one in mine.scene.solids if one.kind == kind]
-        expected.sort(key=lambda one: bool(one.keys or one.follow == "emitter"))
-        np.testing.assert_allclose(rows[:, :columns], solids.pack(kind, expected, emitter, times[-1], np.float64))
-        for row, one in zip(rows, expected, strict=True):
-            now, past = (solid_pose(one, emitter, max(at, 0)) for at in (times[-1], times[-1] - dt))
-            local = np.array([0.3, -0.7, 0.2])
-            before = np.array(past.rotation) @ local + past.translation
-            after = np.array(now.rotation) @ local + now.translation
-            motion = row[columns:]
-            np.testing.assert_allclose(motion[:9].reshape(3, 3) @ before + motion[9:], after, atol=1e-12)
 
 
 def test_only_the_solids_that_are_named_are_touched() -> None:
