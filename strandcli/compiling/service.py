@@ -1,9 +1,8 @@
 """Processes of strandcli's own that compile kernels into the cache, for a process that loads them from there.
 
 Numba compiles on one thread of a process; and what makes compiling faster (`strandcli.compiling.faster`) changes Numba,
-which only processes of our own may do. A worker ends when the process that started it has ended, however that ended,
-and when it has had nothing to do for a while. Whatever goes wrong here costs time, nothing else: the process that asked
-compiles in place.
+which only processes of our own may do. A worker ends when the process that started it has ended, and when it has had
+nothing to do for a while. Whatever goes wrong here costs time: the process that asked compiles in place.
 """
 
 from __future__ import annotations

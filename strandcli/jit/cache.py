@@ -1,9 +1,8 @@
 """Compiled kernels on disk, a file for each kernel and signature, checked by its content's hash before it is run.
 
-Numba's own cache is set for a whole process and looks at one source file a function; this one belongs to strandcli's
-dispatchers alone, and an entry's name follows everything that its machine code depends on: the text of all modules that
-the kernel is made of, the signature, the processor, the versions of Python, Numba and LLVM.
-A pack's kernels were compiled for its processor, and are asked for under the names that they have for that one.
+An entry's name follows everything that its machine code depends on: the text of all modules that the kernel is made of,
+the signature, the processor, the versions of Python, Numba and LLVM. A pack's kernels were compiled for its processor,
+and are asked for under the names that they have for that one.
 """
 
 from __future__ import annotations

@@ -1,10 +1,9 @@
-"""Arrays that take long to compute, kept beside compiled kernels from one run to the next.
+"""Arrays that take long to compute, cached beside compiled kernels from one run to the next.
 
 The tree over the triangles of a head, the grid of its distances, the tables of a material and what children follow take
 half a second, longer than a small picture. A file's name is the hash of all that its arrays follow from: what they are
-computed of, the text of the modules that compute them, and the versions and instructions that their bits depend on. It
-is checked by its own hash, and its arrays by their types and shapes; nothing in it is unpickled. One that is damaged,
-or that others may change, is made again; where nothing can be kept, arrays are computed each time.
+computed of, the text of the modules that compute them, and the versions and instructions that their bits depend on. One
+that is damaged, or that others may change, is made again; where nothing can be cached, arrays are computed each time.
 """
 
 from __future__ import annotations

@@ -1,9 +1,8 @@
 """An animation, GIF, WebP or MP4, made from finished frames.
 
-A GIF has 256 colours and counts time in hundredths of a second. All its frames share one palette, fitted to frames
-from the whole film, so that still areas keep their colour; it is dithered with a fixed pattern, because diffused error
-makes still areas crawl, and gradients without dithering break into bands. Times are rounded so that the sum stays
-right: 24 frames a second are shown for 4, 4, 4, 5, … hundredths.
+All frames of a GIF share one palette of 256 colours, fitted to frames from the whole film, so that still areas keep
+their colour; it is dithered with a fixed pattern, because diffused error makes still areas crawl. Its times, hundredths
+of a second, are rounded so that the sum stays right: 24 frames a second are shown for 4, 4, 4, 5, … hundredths.
 """
 
 from __future__ import annotations

@@ -1,18 +1,6 @@
 """Layers beside the picture (`strandcli.draw.film.aovs`) as files: ``depth_0001.npz`` with the array ``depth``,
-exactly as
-it was drawn, and ``depth_0001.png`` to look at; with the extra `exr` also ``frame_0001.exr`` with all of them.
-
-=============== =====================================================================================
-PNG             what it shows
-=============== =====================================================================================
-depth           16 bit grey, linear from the nearest (white) to the farthest of that picture (almost
-                black), which its text chunk "range" tells in metres; black where nothing is
-mask, solid,    16 bit grey, 65535 is 1
-shadow
-tangent         16 bit colour, (t + 1) / 2 in x, y, z
-orientation     8 bit colour, hue 2 θ: 0 red, π / 4 yellow-green, π / 2 cyan; black where there is none
-strand_id       8 bit colour, one a strand; solids grey, nothing black
-=============== =====================================================================================
+exactly as it was drawn, and ``depth_0001.png`` to look at (`viewable`); with the extra `exr` also ``frame_0001.exr``
+with all of them.
 
 `linear` has no PNG of its own: the picture is that. In EXR depth is ``Z``, the linear picture ``R G B A``, whose ``A``
 is 1 with a background, else what strands and solids cover, which ``R G B`` are multiplied by; tangents are

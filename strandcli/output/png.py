@@ -1,23 +1,10 @@
 """PNG files: a fast encoder for frames, a checked reader, and the hash by which pictures are compared; pictures
 with alpha over one colour, for what knows no alpha.
 
-Why an encoder of its own: Pillow tries five filters on every row before it compresses, and that, not zlib, is what a
-frame waits for. One filter for all rows, the difference from the pixel to the left, turns an even background into
-zeros. ISA-L (the package `isal`) compresses them; where it is not installed, zlib with Z_RLE, which makes runs without
-searching for anything. Measured in one sitting on a core at 800x600, in milliseconds and MB, for a frame of the preset
-`headline`:
-
-=================================  ============
-encoder                            headline
-=================================  ============
-Pillow, default (level 6)          81      0.31
-Pillow, level 1, Z_RLE             39      0.32
-zlib 1, Z_RLE, left difference      8.7    0.25
-zlib-ng 1, Z_RLE, left difference   4.3    0.25
-ISA-L 1, left difference            1.9    0.25
-=================================  ============
-
-The file is an ordinary truecolour PNG with an sRGB chunk; alpha is straight, not premultiplied, as the format has it.
+Pillow tries five filters on every row before it compresses, and that, not zlib, is what a frame waits for: 81 ms for
+one of `headline` at 800x600. Here one filter for all rows, the difference from the pixel to the left, turns an even
+background into zeros. ISA-L (the package `isal`) compresses them, in 2 ms; where it is not installed, zlib with Z_RLE,
+which makes runs without searching for anything, in 9. Alpha is straight, not premultiplied, as the format has it.
 """
 
 from __future__ import annotations

@@ -1,11 +1,9 @@
-"""`strandcli bench`: where a frame's time goes, with the errors that it buys.
+"""`strandcli bench`: where a frame's time goes, with the errors that it buys, of the preset `headline`.
 
-The scene is the preset `headline`. Times of stages are medians over frames after a first one that is not counted,
-because it compiles, touches fresh memory and fills caches. Where frames are drawn at once (`run.ordered_map`),
-stages take the time of one frame on its share of the threads, and a frame takes the whole run's time over the number of
-frames. Threads that draw and write files take turns on the cores with the one that simulates, and a stage's time is
-that of the clock on the wall. So more figures stand on their own: `steps` (the solver asked for), `rules` (six rules
-and two spheres) and `lines` (one-pixel lines with colours into a z-buffer).
+Times of stages are medians over frames after a first one that is not counted: it compiles and fills caches. Where
+frames are drawn at once (`run.ordered_map`), a stage takes the time of one frame on its share of the threads, by the
+clock on the wall. So more figures stand on their own: `steps` (the solver asked for), `rules` (six rules and two
+spheres) and `lines` (one-pixel lines with colours into a z-buffer).
 """
 
 from __future__ import annotations

@@ -1,7 +1,6 @@
-"""What the thesis claims, measured here: `make claims`.
+"""What the thesis claims, measured here: `strandcli claims`.
 
-Every row is a claim, the source's own figure (thesis §4) and ours, on this machine as it is now: the median of some
-repeats where time is measured, with the least and the greatest.
+Every row is a claim, the source's own figure (thesis §4) and ours, on this machine as it is now.
 """
 
 from __future__ import annotations

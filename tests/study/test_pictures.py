@@ -11,11 +11,12 @@ import pytest
 
 import strandcli
 from cli_runs import Runner
-from strandcli.draw.view.camera import axes
+from strandcli.draw.view.camera import axes, camera_view
+from strandcli.scene.model import Camera
 from strandcli.study.axes import Request, changed, knows
 from strandcli.study.kernels import cylinders
 from strandcli.study.pictures.shadow import ShadowStudy, frames_along, pieces_of
-from strandcli.study.pictures.subject import LinearRenderer, Subject
+from strandcli.study.pictures.subject import Subject, on_screen, seen_at
 
 SMALL = """\
 title: a small brush
@@ -95,20 +96,16 @@ def test_shadow_is_measured_apart_from_how_strands_scatter(tmp_path: Path) -> No
     assert found[0][1]["transmittance"] < 0.1
 
 
-def test_light_at_vertices_is_the_same_however_many_bands_of_rows_a_picture_has(tmp_path: Path) -> None:
-    (tmp_path / "brush.yaml").write_text(SMALL)
-    scene = strandcli.load(str(tmp_path / "brush.yaml"), overrides=["image.resolver=sorted"])
-    subject = Subject(Request(scene=scene, name="brush"))
-    subject.move()
-    whole = subject.draw(subject.scene, draws=1, keep_shading=True)
-    (one,) = whole.shaded
-    renderer = LinearRenderer(subject.scene, subject.groom)
-    renderer.coverage.room = whole.counts["fragments"] // 3
-    picture = subject.draw(subject.scene, draws=1, keep_shading=True, renderer=renderer)
-    assert picture.counts["fragments"] > 2 * renderer.coverage.room
-    (other,) = picture.shaded
-    assert np.isfinite(one[1]).any()
-    np.testing.assert_array_equal(one[1], other[1])
+@pytest.mark.parametrize("kind", ["perspective", "orthographic"])
+def test_places_in_pixels_are_seen_there(kind: str) -> None:
+    camera = Camera(kind=kind, position=(0.3, 0.2, 4.0), height=2.0)
+    view = camera_view(camera, 0.0, 32, 24, np.array([[-1.0] * 3, [1.0] * 3]))
+    pixels, depth = np.array([[3, 5], [30, 0], [16, 23]]), np.array([1.0, 4.0, 2.5])
+    places = seen_at(view, pixels, depth)
+    found, inside = on_screen(places, view)
+    np.testing.assert_allclose(found, pixels + 0.5)
+    assert inside.all()
+    np.testing.assert_allclose((places - view.eye) @ view.forward, depth)
 
 
 def test_settings_by_path() -> None:

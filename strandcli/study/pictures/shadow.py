@@ -23,13 +23,15 @@ from ..axes import Request, changed, knows
 from ..kernels import cylinders
 from ..points import Parameters
 from . import Pictures
-from .subject import Picture, Vertices
+from .subject import Picture, seen_at
 
 PROBES = 400
 RAYS = 2048
 """From about a probe: with 256 their noise, .02 in `hair`, was as much as maps are off."""
 BUNDLE = 1.5
 """Radius of a probe's bundle of rays, in distances between strands there."""
+DARK = 1e-6
+"""Light below which a pixel tells nothing."""
 BEYOND = 1e9
 """Metres: a bias behind which nothing is, for the light without a map's shade."""
 
@@ -68,17 +70,21 @@ class ShadowStudy(Pictures):
         """Rays from points that are seen and lit."""
         rng = np.random.default_rng(0)
         lit = self._light({f"{self.path}.model": "minmax", f"{self.path}.size": 8, f"{self.path}.bias": BEYOND})
-        if not len(lit.numbers):
+        strands, light = lit.aovs["strand_id"], lit.image.sum(2)
+        seen = np.argwhere((strands >= 0) & (light > DARK))
+        if not len(seen):
             raise UsageError(f"{self.subject.name}: light {self.light} reaches no strand that is seen")
-        chosen = rng.permutation(len(lit.numbers))[:PROBES]
-        self.places, self.lit = lit.numbers[chosen], lit.light[chosen]
-        points, strands = lit.places[chosen], lit.strands[chosen]
-        spacing = self.subject.spacing_at(points, strands)
+        chosen = rng.permutation(seen)[:PROBES]
+        self.at = rows, columns = chosen[:, 0], chosen[:, 1]
+        self.lit, own = light[self.at], strands[self.at].astype(np.int64)
+        depth = lit.aovs["depth"][self.at].astype(np.float64)
+        points = seen_at(self.subject.view(self.scene), np.stack([columns, rows], 1), depth)
+        spacing = self.subject.spacing_at(points, own)
         scene, subject = self.scene, self.subject
         lines = flatten(*subject.whole(), subject.groom.strands, scene.curves, subject.view(scene), True, Scratch())
         thickness = Thickness(scene.material.width, scene.material.drawn_taper)
         jitter = bundle(RAYS, BUNDLE, rng)
-        halves = transmittance(lines, thickness, scene.lights[self.light], points, strands, jitter, spacing)
+        halves = transmittance(lines, thickness, scene.lights[self.light], points, own, jitter, spacing)
         self.truth = halves.mean(1)
         noise = float(np.abs(halves[:, 0] - halves[:, 1]).mean() / 2)
         return {"what": f"{RAYS} rays about each of {len(chosen)} strands that are seen, against cylinders",
@@ -94,18 +100,14 @@ class ShadowStudy(Pictures):
         """Mean of the absolute difference of transmittance, signed mean, 95th percentile."""
         found = np.ones(len(self.truth))
         if parameters[f"{self.path}.model"] != "off":
-            light = self._light(parameters)
-            found = light.light[np.searchsorted(light.numbers, self.places)] / self.lit
+            found = self._light(parameters).image.sum(2)[self.at] / self.lit
         off = found - self.truth
         return {"transmittance": float(np.abs(off).mean()), "bias": float(off.mean()),
                 "p95": float(np.percentile(np.abs(off), 95))}  # fmt: skip
 
-    def _light(self, parameters: Parameters) -> Vertices:
-        """The vertices that the light could reach and the picture shows. With a map's shade some may be dark."""
-        picture = self.subject.draw(
-            changed(matt(alone(self.scene, self.light)), parameters), draws=1, keep_shading=True
-        )
-        return picture.vertices(0.0 if f"{self.path}.bias" not in parameters else 1e-6)
+    def _light(self, parameters: Parameters) -> Picture:
+        """The light on white strands, a strand a pixel."""
+        return self.subject.draw(changed(matt(alone(self.scene, self.light)), parameters), draws=1)
 
 
 def bundle(rays: int, radius: float, rng: np.random.Generator) -> NDArray[np.float64]:
@@ -164,9 +166,13 @@ def alone(scene: Scene, light: int) -> Scene:
 
 
 def matt(scene: Scene) -> Scene:
-    """A scene whose strands scatter what reaches them evenly and colourlessly, and are lit by lamps alone."""
+    """A scene whose strands scatter what reaches them evenly and colourlessly and are lit by lamps alone, a strand a
+    pixel, with layers that tell which one and where it is."""
     settings = {"material.colour": (1.0, 1.0, 1.0), "material.tip_colour": None, "material.colour_variation": 0.0,
                 "material.specular": 0.0, "material.scatter": "diffuse", "material.diffuse": 1.0,
                 "material.pigment": "rgb", "material.eumelanin": None, "material.pheomelanin": None,
-                "material.grey": 0.0, "ambient": (0.0, 0.0, 0.0), "environment": None}  # fmt: skip
+                "material.grey": 0.0, "material.rounded": False, "image.resolver": "zbuffer",
+                "image.supersample": 1, "image.crop": None, "image.haze": None, "image.aovs": ("depth", "strand_id"),
+                "camera.aperture": 0.0, "camera.shutter": 0.0, "ambient": (0.0, 0.0, 0.0),
+                "environment": None}  # fmt: skip
     return changed(scene, {path: value for path, value in settings.items() if knows(scene, path)})

@@ -5,17 +5,15 @@ from __future__ import annotations
 import dataclasses
 import math
 from dataclasses import dataclass, field
-from typing import Any, NamedTuple
+from typing import Any
 
 import numpy as np
 from numpy.typing import NDArray
 
 from ...draw.common.drawing import ProcessorDrawing
 from ...draw.common.scratch import Scratch
-from ...draw.geometry.curves import Polylines
 from ...draw.geometry.spacing import spacing_at, spacing_of
 from ...draw.renderer import Renderer
-from ...draw.strand_batches import StrandBatch
 from ...draw.view.camera import View, camera_view
 from ...errors import SimulationError, UsageError
 from ...groom.children import Children
@@ -33,19 +31,6 @@ DRAWS = 3
 """Times that a setting is drawn; a stage takes the least of its times."""
 
 
-class Vertices(NamedTuple):
-    """Vertices of strands that a picture shows."""
-
-    light: NDArray[np.float64]
-    """(n,) of red, green and blue together."""
-    numbers: NDArray[np.int64]
-    """(n,) ascending."""
-    places: NDArray[np.float64]
-    """(n, 3) metres."""
-    strands: NDArray[np.int64]
-    """(n,) that they are on."""
-
-
 @dataclass
 class Picture:
     """One picture in linear light, and what it took."""
@@ -55,58 +40,23 @@ class Picture:
     seconds: dict[str, float]
     """By stage."""
     counts: dict[str, int]
-    shaded: list[tuple[Polylines, NDArray[np.float32]]] = field(default_factory=list)
-    """Where asked for: polylines, with the light at their vertices (V, 3); NaN where none was needed."""
     pixels: NDArray[np.uint8] | None = None
     """(height, width, 3) sRGB, as it would be written."""
 
-    def vertices(self, most_dark: float = 0.0) -> Vertices:
-        """The vertices whose light was needed, those alone with more of it where ``most_dark`` is above 0."""
-        found: list[tuple[NDArray[Any], ...]] = []
-        vertex = strand = 0
-        for lines, colours in self.shaded:
-            light = colours.sum(1, dtype=np.float64)
-            seen = np.flatnonzero(np.isfinite(light) & ((light > most_dark) | (most_dark == 0)))
-            strands = np.searchsorted(lines.first, seen, "right") - 1
-            found.append((light[seen], vertex + seen, lines.world[seen].astype(np.float64), strand + strands))
-            vertex, strand = vertex + len(lines.world), strand + len(lines.first) - 1
-        return Vertices(*map(np.concatenate, zip(*found, strict=True)))
+    aovs: dict[str, NDArray[Any]] = field(default_factory=dict)
+    """Layers that the scene asks for."""
 
 
 class LinearRenderer(Renderer):
-    """Keeps the picture as it is before exposure and encoding, and on request the light at vertices."""
-
-    keep_shading = False
-
-    def draw(self, *args: Any, **kwargs: Any) -> Any:
-        """As in `Renderer`."""
-        self.shaded: dict[int, tuple[Polylines, NDArray[np.float32]]] = {}
-        """By the first strand of a batch."""
-        return super().draw(*args, **kwargs)
+    """Keeps the picture as it is before exposure and encoding."""
 
     def develop(self, image: NDArray[np.float32], *rest: Any) -> Any:
-        """As in `Renderer`."""
         width, height = self.scene.image.drawn
         samples = image.shape[0] // height
         self.linear = (
             image.reshape(height, samples, width, samples, 3).mean((1, 3), dtype=np.float64) if samples else None
         )
         return super().develop(image, *rest)
-
-    def shade(self, lighting: Any, batch: StrandBatch, *rest: Any) -> NDArray[np.float32]:
-        """As in `Renderer`."""
-        if not self.keep_shading:
-            return super().shade(lighting, batch, *rest)
-        lines, begin = batch.lines, batch.begin
-        self.scratch.borrow("colours", (len(lines.world), 3), np.float32).fill(np.nan)
-        colours = super().shade(lighting, batch, *rest)
-        if begin in self.shaded:  # the picture's next rows show others of the same strands
-            kept = self.shaded[begin][1]
-            np.copyto(kept, colours, where=np.isnan(kept))
-        else:
-            lines = dataclasses.replace(lines, first=lines.first.copy(), world=lines.world.copy())
-            self.shaded[begin] = lines, colours.copy()
-        return colours
 
 
 class Subject:
@@ -205,24 +155,20 @@ class Subject:
         """The camera of a scene at the frame, in its picture's own pixels."""
         return camera_view(scene.camera, self.at, *scene.image.size, self.bounds())
 
-    def draw(
-        self, scene: Scene, draws: int = DRAWS, keep_shading: bool = False, renderer: LinearRenderer | None = None
-    ) -> Picture:
+    def draw(self, scene: Scene, draws: int = DRAWS, renderer: LinearRenderer | None = None) -> Picture:
         """Draw a scene with the subject's strands; ``renderer`` stands in for the usual one of the scene."""
         import numba
 
         renderer = renderer or LinearRenderer(scene, self.groom)
         if self.of_processor:
             renderer.clocked = ProcessorDrawing
-        renderer.keep_shading = keep_shading
         seconds: dict[str, float] = {}
         for _ in range(draws):
             drawing = renderer.draw(self.positions, self.lengths, self.at, numba.get_num_threads())
             for stage, took in drawing.seconds.items():
                 seconds[stage] = min(took, seconds.get(stage, math.inf))
         assert renderer.linear is not None
-        shaded = list(renderer.shaded.values())
-        return Picture(renderer.linear, seconds, dict(drawing.counts), shaded, drawing.image)
+        return Picture(renderer.linear, seconds, dict(drawing.counts), drawing.image, drawing.aovs)
 
 
 def on_screen(points: NDArray[np.float64], view: View) -> tuple[NDArray[np.float64], NDArray[np.bool_]]:
@@ -235,6 +181,14 @@ def on_screen(points: NDArray[np.float64], view: View) -> tuple[NDArray[np.float
     y = view.height / 2 - scale * (away @ view.up)
     inside = (depth > view.near) & (x >= 0) & (y >= 0) & (x < view.width) & (y < view.height)
     return np.stack([x, y], -1), inside
+
+
+def seen_at(view: View, pixels: NDArray[np.integer], depth: NDArray[np.floating]) -> NDArray[np.float64]:
+    """(n, 3) the places at depths (n,) in the middles of pixels (n, 2) of a view."""
+    x, y = (pixels + 0.5 - view.middle).T
+    aside = (x[:, None] * view.right - y[:, None] * view.up) / view.focal
+    reach = depth[:, None] if view.perspective else 1.0
+    return np.asarray(view.eye + depth[:, None] * view.forward + reach * aside)
 
 
 def _small(size: tuple[int, int]) -> tuple[int, int]:

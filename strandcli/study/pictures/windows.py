@@ -46,7 +46,6 @@ class WindowBatches(StrandBatches):
     wide: View
 
     def _flatten(self, begin: int, end: int) -> Polylines:
-        """As in `StrandBatches`."""
         return StrandBatches._flatten(replace(self, view=self.wide), begin, end)
 
 
@@ -64,7 +63,6 @@ class WindowRenderer(LinearRenderer):
         self.backdrop = backdrop_of(self.scene.image)
 
     def _batches(self, strands: Strands, view: View, mapped: bool) -> WindowBatches:
-        """As in `Renderer`."""
         made, samples = super()._batches(strands, view, mapped), self.scene.image.supersample
         known = {one.name: getattr(made, one.name) for one in fields(StrandBatches)}
         margin = samples * MARGIN

@@ -1,7 +1,7 @@
 """A case as a scene, a groom and the moments of its steps: what a preset and an emitter would have made of it.
 
-Scenes are put together from the typed data itself, because the matrix goes beyond what presets may say (a rigidity of
-zero, a tip of a thousandth). The strand is clamped along +x and gravity points down, so that straight is not its rest.
+The matrix goes beyond what presets may say (a rigidity of zero, a tip of a thousandth). The strand is clamped along +x
+and gravity points down, so that straight is not its rest.
 """
 
 from __future__ import annotations
