@@ -39,21 +39,20 @@ def run(tmp_path: Path, monkeypatch: pytest.MonkeyPatch, capsys: pytest.CaptureF
 
 
 def test_windows_are_tiles_with_strands_in_the_order_of_how_rough_they_are(monkeypatch: pytest.MonkeyPatch) -> None:
-    """Tiles of two by two pixels, of which those in the lower rows hold no points, and one is rougher than the next."""
+    """Tiles of two by two pixels, of which those in the lower rows hold no strands, and one is rougher than the
+    next."""
     monkeypatch.setattr(module, "SIDE", 2)
-    picture = np.zeros((8, 12, 3))
-    points = []
+    picture, mask = np.zeros((8, 12, 3)), np.zeros((8, 12), np.float32)
     for tile in range(12):
         row, column = divmod(tile, 6)
         picture[2 * row, 2 * column] = tile
-        points.append([100 + 2 * column + 0.5, 10 + 2 * row + 1.5])
-    points += [[99.0, 11.0], [113.0, 11.0], [100.5, 9.0]]  # beside the picture
-    found, mean, tiles = spread(np.array(points), picture, (100, 10), 3)
+        mask[2 * row + 1, 2 * column] = 0.1
+    found, mean, tiles = spread(mask, picture, (100, 10), 3)
     assert tiles == 12
     assert mean == pytest.approx(sum(range(12)) / 4 / 12)
     assert found == [(104, 10, 2, 2), (100, 12, 2, 2), (108, 12, 2, 2)]  # the tiles 2, 6 and 10
-    assert len(set(spread(np.array(points), picture, (100, 10), 40)[0])) == 12
-    assert spread(np.array(points[-3:]), picture, (100, 10), 3) == ([], 0.0, 0)
+    assert len(set(spread(mask, picture, (100, 10), 40)[0])) == 12
+    assert spread(0 * mask, picture, (100, 10), 3) == ([], 0.0, 0)
 
 
 @pytest.mark.parametrize("resolver", ["sorted", "zbuffer"])

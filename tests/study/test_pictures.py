@@ -16,7 +16,8 @@ from strandcli.scene.model import Camera
 from strandcli.study.axes import Request, changed, knows
 from strandcli.study.kernels import cylinders
 from strandcli.study.pictures.shadow import ShadowStudy, frames_along, pieces_of
-from strandcli.study.pictures.subject import Subject, on_screen, seen_at
+from strandcli.study.pictures.subject import Subject, seen_at
+from tests.draw.view.test_camera import exact
 
 SMALL = """\
 title: a small brush
@@ -101,11 +102,9 @@ def test_places_in_pixels_are_seen_there(kind: str) -> None:
     camera = Camera(kind=kind, position=(0.3, 0.2, 4.0), height=2.0)
     view = camera_view(camera, 0.0, 32, 24, np.array([[-1.0] * 3, [1.0] * 3]))
     pixels, depth = np.array([[3, 5], [30, 0], [16, 23]]), np.array([1.0, 4.0, 2.5])
-    places = seen_at(view, pixels, depth)
-    found, inside = on_screen(places, view)
+    found, away = exact(view, seen_at(view, pixels, depth))
     np.testing.assert_allclose(found, pixels + 0.5)
-    assert inside.all()
-    np.testing.assert_allclose((places - view.eye) @ view.forward, depth)
+    np.testing.assert_allclose(away, depth)
 
 
 def test_settings_by_path() -> None:

@@ -171,18 +171,6 @@ class Subject:
         return Picture(renderer.linear, seconds, dict(drawing.counts), drawing.image, drawing.aovs)
 
 
-def on_screen(points: NDArray[np.float64], view: View) -> tuple[NDArray[np.float64], NDArray[np.bool_]]:
-    """Points (..., 3) in pixels (..., 2), and which of them the picture shows."""
-    away = points - view.eye
-    depth = away @ view.forward
-    away_from = np.where(depth > view.near, depth, 1.0) if view.perspective else np.ones_like(depth)
-    scale = view.focal / away_from
-    x = view.width / 2 + scale * (away @ view.right)
-    y = view.height / 2 - scale * (away @ view.up)
-    inside = (depth > view.near) & (x >= 0) & (y >= 0) & (x < view.width) & (y < view.height)
-    return np.stack([x, y], -1), inside
-
-
 def seen_at(view: View, pixels: NDArray[np.integer], depth: NDArray[np.floating]) -> NDArray[np.float64]:
     """(n, 3) the places at depths (n,) in the middles of pixels (n, 2) of a view."""
     x, y = (pixels + 0.5 - view.middle).T

@@ -18,15 +18,13 @@ from ...draw.view.camera import View
 from ...errors import UsageError
 from ...scene.model import Scene
 from ..axes import Request, changed
-from .subject import LinearRenderer, Picture, Subject, on_screen
+from .subject import LinearRenderer, Picture, Subject
 
 SIDE = 32
 """Of a window, pixels, at most."""
 WINDOWS = 8
 """That a picture is judged by; half as many where there are `MANY` particles."""
 MANY = 2_000_000
-LOOKED_AT = 20_000
-"""Strands, at most, that tell where in the picture strands are."""
 SAMPLED = ("raster", "shade", "film")
 """Stages whose time grows with the samples."""
 MARGIN = 96
@@ -108,11 +106,12 @@ class Windows(Subject):
         super().move()
         if self.windows:
             return
-        points = self.points()
-        seen, inside = on_screen(points[:: -(-len(points) // LOOKED_AT), 1:], self.view(self.scene))
-        whole, corner = self.draw_whole(self.scene).image, (self.scene.image.crop or (0, 0))[:2]
+        whole, corner = (
+            self.draw_whole(changed(self.scene, {"image.aovs": ("mask",)})),
+            (self.scene.image.crop or (0, 0)),
+        )
         number = WINDOWS if self.scene.emitter.strands * self.scene.emitter.particles < MANY else WINDOWS // 2
-        self.windows, self.mean, tiles = spread(seen[inside], whole, corner, number)
+        self.windows, self.mean, tiles = spread(whole.aovs["mask"], whole.image, corner[:2], number)
         if not self.windows:
             raise UsageError(f"{self.name}: frame {self.frame} shows no strands; choose the settings by hand")
         self._share = tiles / len(self.windows)
@@ -164,31 +163,30 @@ class Windows(Subject):
 
 
 def spread(
-    points: NDArray[np.float64], picture: NDArray[np.float64], corner: tuple[int, int], number: int
+    mask: NDArray[np.float32], picture: NDArray[np.float64], corner: tuple[int, int], number: int
 ) -> tuple[list[Window], float, int]:
     """Windows that stand for all of a picture that has strands, the mean light of all that, and how many they are of.
 
-    points (n, 2): places of particles, pixels; picture (height, width, 3): linear light, its upper left pixel at
-    ``corner``. The picture is cut into tiles of `SIDE` pixels (smaller where it is), those without points are left out,
-    the others are put in order of how much neighbouring pixels differ, which errors go with; of ``number`` equal parts
-    of this list, each gives the tile in its middle.
+    mask (height, width): the share of each pixel that strands cover; picture (height, width, 3): linear light, its
+    upper left pixel at ``corner``. The picture is cut into tiles of `SIDE` pixels (smaller where it is), those without
+    strands are left out, the others are put in order of how much neighbouring pixels differ, which errors go with; of
+    ``number`` equal parts of this list, each gives the tile in its middle.
     """
-    height, width = picture.shape[:2]
+    height, width = mask.shape
     wide, high = min(SIDE, width), min(SIDE, height)
     columns, rows = width // wide, height // high
     left, top = (width - columns * wide) // 2, (height - rows * high) // 2
-    tiles = picture[top : top + rows * high, left : left + columns * wide].reshape(rows, high, columns, wide, 3)
-    means = tiles.mean((1, 3, 4)).reshape(-1)
-    rough = ((np.diff(tiles, axis=1) ** 2).sum((1, 3, 4)) + (np.diff(tiles, axis=3) ** 2).sum((1, 3, 4))).reshape(-1)
-    x, y = corner[0] + left, corner[1] + top
-    column, row = np.floor((points[:, 0] - x) / wide), np.floor((points[:, 1] - y) / high)
-    kept = (column >= 0) & (column < columns) & (row >= 0) & (row < rows)
-    occupied = np.unique((row[kept] * columns + column[kept]).astype(np.int64))
+    inner = slice(top, top + rows * high), slice(left, left + columns * wide)
+    tiles = picture[inner].reshape(rows, high, columns, wide, 3)
+    occupied = np.flatnonzero(mask[inner].reshape(rows, high, columns, wide).any((1, 3)))
     if not len(occupied):
         return [], 0.0, 0
+    means = tiles.mean((1, 3, 4)).reshape(-1)
+    rough = ((np.diff(tiles, axis=1) ** 2).sum((1, 3, 4)) + (np.diff(tiles, axis=3) ** 2).sum((1, 3, 4))).reshape(-1)
     order = occupied[np.argsort(rough[occupied], kind="stable")]
     number = min(number, len(order))
     places = [min(math.floor((part + 0.5) * len(order) / number), len(order) - 1) for part in range(number)]
     chosen = [divmod(int(order[place]), columns) for place in places]
+    x, y = corner[0] + left, corner[1] + top
     found = [(x + column * wide, y + row * high, wide, high) for row, column in chosen]
     return found, float(means[occupied].mean()), len(occupied)
