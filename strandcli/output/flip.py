@@ -16,7 +16,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from ..errors import MismatchError
-from .png import Rgb, over
+from .png import Rgb, linear_light, over
 
 Array = NDArray[np.float64]
 
@@ -56,7 +56,7 @@ def flip(first: NDArray[Any], second: NDArray[Any], pixels_a_degree: float = PIX
     out = np.empty((height, width))
     for top in range(0, height, rows):
         low, high = max(top - reach, 0), min(top + rows + reach, height)
-        pair = [_opponent(_linear(picture[low:high, :, :3])) for picture in (first, second)]
+        pair = [_opponent(linear_light(picture[low:high, :, :3])) for picture in (first, second)]
         found = _difference(pair[0], pair[1], pixels_a_degree)
         out[top : top + rows] = found[top - low : top - low + rows]
     return out
@@ -150,12 +150,6 @@ def _along(channel: Array, weights: Sequence[float] | Array, axis: int) -> Array
         part = slice(place, place + width)
         out += weight * (padded[part] if axis == 0 else padded[:, part])
     return out
-
-
-def _linear(picture: NDArray[Any]) -> Array:
-    """Return sRGB from 0 to 255 as linear light, 0 to 1."""
-    s = picture.astype(np.float64) / 255
-    return np.asarray(np.where(s > 0.04045, ((s + 0.055) / 1.055) ** 2.4, s / 12.92))
 
 
 def _opponent(rgb: Array) -> Array:

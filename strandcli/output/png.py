@@ -178,7 +178,7 @@ def over(image: Pixels, colour: Rgb = GREY) -> Pixels:
     found = np.where(alpha[..., None] == 255, image[..., :3], ground)
     some = (alpha > 0) & (alpha < 255)
     share = alpha[some, None] / 255
-    found[some] = _encoded(share * _linear(image[some, :3]) + (1 - share) * _linear(ground))
+    found[some] = _encoded(share * linear_light(image[some, :3]) + (1 - share) * linear_light(ground))
     return found
 
 
@@ -191,8 +191,8 @@ def flattened(image: Any, colour: Rgb = GREY) -> Any:
     return Image.fromarray(over(np.asarray(image.convert("RGBA")), colour))
 
 
-def _linear(levels: Pixels) -> NDArray[np.float64]:
-    """8-bit sRGB to linear light (IEC 61966-2-1)."""
+def linear_light(levels: NDArray[Any]) -> NDArray[np.float64]:
+    """sRGB from 0 to 255 as linear light, 0 to 1 (IEC 61966-2-1)."""
     share = levels / 255
     return np.where(share <= 0.04045, share / 12.92, ((share + 0.055) / 1.055) ** 2.4)
 
