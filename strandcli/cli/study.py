@@ -115,7 +115,7 @@ def command(
 def _requests(
     preset: str | None, reference: tuple[str, ...] | None, axis: str | None, wishes: dict[str, Any]
 ) -> list[Request]:
-    from ..study.axes import Request, chosen_solvers, settled
+    from ..study.axes import Request, chosen_solvers
     from ..study.sweep import find
 
     overrides, seed = wishes.pop("overrides"), wishes.pop("seed")
@@ -145,9 +145,6 @@ def _requests(
         frame = wishes.pop("frame")
         scene = options.load_scene(preset, seed=seed, overrides=overrides)
         paths = [text.partition("=")[0].strip() for text in overrides]
-        if chosen.axis == "motion":
-            for name, values in settled(scene, paths).items():  # what is set by hand is not turned
-                wishes[name] = wishes[name] or values
         wishes |= {"frame": frame or 1, "fixed": frozenset(paths)}
         requests = [Request(scene=scene, name=options.preset_name(preset), **wishes)]
     chosen_solvers(requests[0])

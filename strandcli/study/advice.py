@@ -23,7 +23,7 @@ from ..output.report import finite
 from ..run.fingerprint import fingerprint, motion_values
 from ..scene.model import Scene
 from . import sweep
-from .axes import STRANDS, Request, settled
+from .axes import STRANDS, Request
 from .pictures.frame import FrameStudy
 from .points import described
 from .report import seconds, share
@@ -64,21 +64,21 @@ def advise(scene: Scene, name: str, max_error: float, fixed: Sequence[str], step
     ``fixed`` are parameters that the user has set and that stay. Where no usual setting will do, but the solver has a
     limit, finer ones are tried. Raises `MismatchError` where none of these does either.
     """
-    own, particles = settled(scene, fixed), scene.emitter.particles
-    finer = {"substeps": (8, 16, 32), "particles": (particles, 2 * particles - 1)}
-    for more in ({}, finer):
-        chosen = {**more, **own}
+    particles = scene.emitter.particles
+    finer: dict[str, Any] = {} if "time.substeps" in fixed else {"substeps": (8, 16, 32)}
+    finer |= {} if "emitter.particles" in fixed else {"particles": (particles, 2 * particles - 1)}
+    for chosen in ({}, finer):
 
         def study(chosen: Mapping[str, Any] = chosen) -> dict[str, Any]:
-            request = Request(scene=scene, name=name, solvers=(scene.solver,), **chosen)
+            request = Request(scene=scene, name=name, solvers=(scene.solver,), fixed=frozenset(fixed), **chosen)
             found = sweep.run(sweep.find("motion"), request, None, step, begin)
             return {**found.as_dict(), "margin": found.margins[scene.solver]}
 
-        data, reused = cached("motion", motion_of(scene, chosen), study)
+        data, reused = cached("motion", motion_of(scene, {**chosen, "fixed": sorted({*fixed} & {*ADVISED})}), study)
         try:
             return choose(data, name, scene.solver, max_error, fixed, reused)
         except MismatchError:
-            if more or not data["reference"]["limits"][scene.solver]["converges"]:
+            if chosen is finer or not data["reference"]["limits"][scene.solver]["converges"]:
                 raise
     raise AssertionError("the second round returns or raises")
 

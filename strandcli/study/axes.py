@@ -8,7 +8,7 @@ from __future__ import annotations
 
 import dataclasses
 from abc import ABC, abstractmethod
-from collections.abc import Callable, Iterable, Mapping, Sequence
+from collections.abc import Callable, Mapping, Sequence
 from dataclasses import dataclass
 from typing import Any
 
@@ -48,7 +48,7 @@ class Request:
     frame: int = 1
     """That pictures are drawn of."""
     fixed: frozenset[str] = frozenset()
-    """Dotted paths that were set by hand: axes of pictures do not turn them."""
+    """Dotted paths that were set by hand: these are not turned."""
 
     @property
     def single(self) -> Scene:
@@ -96,17 +96,6 @@ class Experiment(ABC):
     @abstractmethod
     def measure(self, parameters: Parameters) -> Point:
         """One of them."""
-
-
-def settled(scene: Scene, paths: Iterable[str]) -> dict[str, Any]:
-    """What a request has to hold so that settings at dotted paths keep the scene's own values; other paths are no
-    parameters of motion."""
-    parameters: dict[str, tuple[str, Any]] = {
-        "time.substeps": ("substeps", scene.time.substeps),
-        "rod.iterations": ("iterations", scene.rod.iterations),
-        "emitter.particles": ("particles", scene.emitter.particles),
-    }
-    return {name: (value,) for path, (name, value) in parameters.items() if path in set(paths)}
 
 
 def chosen_solvers(request: Request) -> list[str]:

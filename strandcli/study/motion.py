@@ -82,12 +82,14 @@ class Motion(Experiment):
     def particles(self) -> tuple[int, ...]:
         """Counts to try: half the preset's segments, and its own number."""
         own = self.scene.emitter.particles
-        return self.request.particles or tuple(sorted({max(2, own // 2 + 1), own}))
+        few = own if "emitter.particles" in self.request.fixed else max(2, own // 2 + 1)
+        return self.request.particles or tuple(sorted({few, own}))
 
     def substeps(self) -> tuple[int, ...]:
         """Steps a frame to try. Raises `UsageError` for a step in seconds that no frame can be divided into."""
         if self.request.steps is None:
-            return self.request.substeps or SUBSTEPS
+            usual = (self.scene.time.substeps,) if "time.substeps" in self.request.fixed else SUBSTEPS
+            return self.request.substeps or usual
         found = []
         for dt in self.request.steps:
             count = 1 / (self.scene.time.fps * dt)
@@ -98,7 +100,9 @@ class Motion(Experiment):
 
     def iterations(self) -> tuple[int, ...]:
         """Iterations a step of rods to try: few, and as many as the preset allows."""
-        return self.request.iterations or tuple(sorted({FEW, self.scene.rod.iterations}))
+        own = self.scene.rod.iterations
+        few = own if "rod.iterations" in self.request.fixed else FEW
+        return self.request.iterations or tuple(sorted({few, own}))
 
     def settings(self) -> list[dict[str, Any]]:
         """Substeps, particles, of rods iterations, and cells where they are named."""
