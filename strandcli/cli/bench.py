@@ -128,7 +128,7 @@ def table(data: Mapping[str, Any]) -> str:
 
 def step_words(data: Mapping[str, Any]) -> str:
     """How many times as long a step takes within frames as alone, and where that is not about once, why."""
-    from ..study.busy import busy_words
+    from ..study.bench import busy_words
 
     ratio = data["particle_step_ns"] / data["steps"]["particle_step_ns"]
     words = f"{ratio:>11.2f} times as long as alone"

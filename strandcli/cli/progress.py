@@ -194,7 +194,7 @@ class Talk(NamedTuple):
 
     def warn_if_busy(self, busy: Mapping[str, float] | None, advice: str) -> None:
         """Warn where other programs took the processor while something was timed (`study.busy`)."""
-        from ..study.busy import busy_words
+        from ..study.bench import busy_words
 
         if words := busy_words(busy):
             self.note(f"warning: {words}; {advice}")

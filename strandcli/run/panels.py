@@ -23,9 +23,9 @@ def side_by_side(scene: Scene, parts: Sequence[Iterator[Frame]]) -> Iterator[Fra
         image = join(images, [panel.label for panel in scene.panels]) if images else None
         report = {
             "frame": frames[0].number,
-            "seconds": _merge([frame.report["seconds"] for frame in frames], sum),
-            "counts": _merge([frame.report["counts"] for frame in frames], sum),
-            "error": _merge([frame.report["error"] for frame in frames], max),
+            "seconds": merged([frame.report["seconds"] for frame in frames], sum),
+            "counts": merged([frame.report["counts"] for frame in frames], sum),
+            "error": merged([frame.report["error"] for frame in frames], max),
         }
         yield Frame(frames[0].number, image, None, report)
 
@@ -61,7 +61,8 @@ def fitting_size(label: str, size: int, width: int) -> int:
     return size
 
 
-def _merge(parts: Sequence[dict[str, Any]], join: Any) -> dict[str, Any]:
+def merged(parts: Sequence[dict[str, Any]], join: Any) -> dict[str, Any]:
+    """What joins the values of each key, those that are not None; None where there are no others."""
     keys = dict.fromkeys(key for part in parts for key in part)
     known = {key: [part[key] for part in parts if part.get(key) is not None] for key in keys}
     return {key: join(values) if values else None for key, values in known.items()}

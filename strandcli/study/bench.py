@@ -8,6 +8,7 @@ spheres) and `lines` (one-pixel lines with colours into a z-buffer).
 
 from __future__ import annotations
 
+import os
 import sys
 import tempfile
 import time
@@ -23,7 +24,6 @@ from ..compiling import runtime
 from ..output.report import peak_rss_bytes
 from ..plan import checked_plan
 from ..scene.model import Scene
-from .busy import Load
 
 if TYPE_CHECKING:
     from ..simulate.solver import Solver
@@ -88,11 +88,12 @@ def time_frames(scene: Scene, frames: int, threads: int | None, notify: Notify |
     """Seconds a stage and the time from frame to frame, PNG files included, which are written meanwhile."""
     from ..output.frames import FrameWriter
     from ..run import pipeline
+    from ..run.panels import merged
 
     numbers = range(1, frames + 2)
     seconds: dict[str, list[float]] = {}
     ends = []
-    error: dict[str, Any] = {}
+    errors = []
     counts: dict[str, int] = {}
     share, load = sys.maxsize, Load()
     with tempfile.TemporaryDirectory(prefix="strandcli-bench-") as folder:
@@ -103,7 +104,7 @@ def time_frames(scene: Scene, frames: int, threads: int | None, notify: Notify |
                 ends.append(time.perf_counter())
                 counts = frame.report["counts"]
                 share = min(share, frame.report["threads"])  # the last frames may have more
-                _worst(error, frame.report["error"])
+                errors.append(frame.report["error"])
                 if frame.number == 1:  # whose kernels other processes compile
                     load = Load()
                 else:
@@ -113,7 +114,7 @@ def time_frames(scene: Scene, frames: int, threads: int | None, notify: Notify |
         seconds["write"] = [one.seconds for one in writer.written.values() if one.frame > 1 and one.seconds is not None]
     frame_ms = 1e3 * (ends[-1] - ends[0]) / frames
     return {
-        "seconds": seconds, "counts": counts, "error": error, "frame_ms": frame_ms, "share": share,
+        "seconds": seconds, "counts": counts, "error": merged(errors, max), "frame_ms": frame_ms, "share": share,
         "busy": load.since(),
     }  # fmt: skip
 
@@ -156,9 +157,7 @@ def exponent(sizes: Sequence[float], costs: Sequence[float]) -> float | None:
     """The p of cost = c · size ** p, by least squares of logarithms: 1 is linear. None for fewer than two sizes."""
     if len(set(sizes)) < 2:
         return None
-    x, y = np.log(sizes), np.log(costs)
-    x = x - x.mean()
-    return float(x @ y / (x @ x))
+    return float(np.polyfit(np.log(sizes), np.log(costs), 1)[0])
 
 
 def time_steps(
@@ -234,8 +233,8 @@ def drooping(strands: int, points: int, width: int, height: int) -> tuple[NDArra
 
 def count_fragments(screen: NDArray[np.float32], points: int) -> int:
     """Pixels that lines touch before any is hidden: one for each started pixel of a segment's longer axis."""
-    xy = screen.reshape(-1, points, 3)[..., :2]
-    return int((np.abs(np.diff(xy, axis=1)).max(-1).astype(np.int64) + 1).sum())
+    steps = np.diff(screen.reshape(-1, points, 3)[..., :2], axis=1)
+    return int((np.abs(steps).max(-1).astype(np.int64) + 1).sum())
 
 
 def median_seconds(call: Callable[[int], None], repeats: int) -> float:
@@ -254,6 +253,47 @@ def spread(seconds: Iterable[float]) -> dict[str, float]:
     return {"median_ms": float(np.median(values)), "min_ms": float(values.min()), "max_ms": float(values.max())}
 
 
-def _worst(into: dict[str, Any], error: Mapping[str, Any]) -> None:
-    for name, value in error.items():
-        into[name] = value if into.get(name) is None else max(into[name], value or 0)
+OTHERS, STOLEN = 0.1, 0.02
+"""Shares from which on times are not those of an idle machine."""
+IDLE, WAIT, STEAL = 3, 4, 7
+"""Columns of a processor in /proc/stat."""
+
+
+def busy_words(busy: Mapping[str, float] | None) -> str:
+    """A warning of what `Load.since` tells; "" for an idle machine."""
+    if busy is None:
+        return ""
+    found = [f"other programs took {100 * busy['others']:.0f} %"] if busy["others"] > OTHERS else []
+    found += [f"the host took {100 * busy['stolen']:.0f} %"] if busy["stolen"] > STOLEN else []
+    return f"the machine was busy: {' and '.join(found)} of its processors' time" if found else ""
+
+
+class Load:
+    """Watches the processors from when it is made."""
+
+    def __init__(self) -> None:
+        self._began = _columns(), time.process_time()
+
+    def since(self) -> dict[str, float] | None:
+        """Shares of their time since then: that ``others`` took, and that a virtual machine's host had ``stolen``; None
+        where the system does not tell."""
+        (before, own_before), (now, own) = self._began, (_columns(), time.process_time())
+        if before is None or now is None:
+            return None
+        spent = [b - a for a, b in zip(before, now, strict=True)]
+        whole = max(1, sum(spent))
+        working = whole - spent[IDLE] - spent[WAIT] - spent[STEAL]
+        mine = (own - own_before) * os.sysconf("SC_CLK_TCK")
+        return {"others": max(0.0, working - mine) / whole, "stolen": spent[STEAL] / whole}
+
+
+def _columns() -> list[int] | None:
+    """Ticks of what the processors that this process may use have done, by column; None where Linux is not there."""
+    try:
+        with open("/proc/stat", encoding="ascii") as file:
+            lines = [line.split() for line in file if line.startswith("cpu") and line[3].isdigit()]
+        mine = {f"cpu{number}" for number in os.sched_getaffinity(0)}
+        rows = [[int(one) for one in words[1 : STEAL + 2]] for words in lines if words[0] in mine]
+    except (OSError, ValueError, AttributeError):
+        return None
+    return [sum(column) for column in zip(*rows, strict=True)] or None

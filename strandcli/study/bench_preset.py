@@ -20,8 +20,7 @@ from ..compiling import runtime
 from ..errors import UsageError
 from ..plan import checked_plan
 from ..scene.model import Scene
-from .bench import spread
-from .busy import Load
+from .bench import Load, spread
 
 Notify = Callable[[str], None]
 Clock = Callable[[], float]

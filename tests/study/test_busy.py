@@ -7,8 +7,8 @@ from typing import Any
 
 import pytest
 
-from strandcli.study import busy
-from strandcli.study.busy import Load, busy_words
+from strandcli.study import bench
+from strandcli.study.bench import Load, busy_words
 
 TICKS = os.sysconf("SC_CLK_TCK")
 
@@ -22,8 +22,8 @@ def watched(monkeypatch: pytest.MonkeyPatch, own: float, spent: list[int]) -> di
         now[:] = next(moments)
         return list(now[0])
 
-    monkeypatch.setattr(busy, "_columns", columns)
-    monkeypatch.setattr(busy.time, "process_time", lambda: now[1])
+    monkeypatch.setattr(bench, "_columns", columns)
+    monkeypatch.setattr(bench.time, "process_time", lambda: now[1])
     return Load().since()
 
 
@@ -40,7 +40,7 @@ def test_what_others_and_the_host_take_is_told_apart_from_our_own(monkeypatch: p
 
 
 def test_a_system_that_does_not_tell_is_not_called_busy(monkeypatch: pytest.MonkeyPatch) -> None:
-    monkeypatch.setattr(busy, "_columns", lambda: None)
+    monkeypatch.setattr(bench, "_columns", lambda: None)
     assert Load().since() is None
     assert busy_words(None) == ""
 
