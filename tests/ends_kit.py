@@ -96,13 +96,6 @@ def grass(g: Random) -> Floats:
     return grow(g, roots, lean, g.uniform(0.03, 0.6) * jitter(g, len(roots)), sag=g.uniform(0, 0.5))
 
 
-def hill(g: Random) -> Floats:
-    """Grass straight up from a dome, or blown aside."""
-    out = cap(g, number(g), g.uniform(20, 80))
-    up = [g.uniform(-0.5, 0.5), 1, 0] + g.uniform(0, 0.3) * g.normal(size=out.shape)
-    return grow(g, out, up, g.uniform(0.05, 1) * jitter(g, len(out)), sag=g.uniform(0, 0.4))
-
-
 def plane_fur(g: Random) -> Floats:
     """Combed to one side, cut at a height."""
     strands = grow(g, plane(g, number(g)), np.array([[0, 1.0, 0]]), 1.0, sag=g.uniform(0.2, 0.9), down=[1.0, 0.1, 0])  # type: ignore[arg-type]
@@ -138,13 +131,6 @@ def fur(g: Random) -> Floats:
     return grow(g, out * radii, unit(out / radii), length, sag=g.uniform(0, 0.7), down=comb, frizz=0.02)
 
 
-def brush(g: Random) -> Floats:
-    """Bristles on a disc, parted, or drawn to a point."""
-    roots = cap(g, number(g), 90) * [1, 0, 1]
-    ways = roots * g.uniform(-0.5, 0.5) + [0, 1, 0]
-    return grow(g, roots, ways, g.uniform(0.5, 4) * jitter(g, len(roots)), frizz=0.02)
-
-
 def rope(g: Random) -> Floats:
     """Twisted about an axis that bends, or three such as a braid; its ends even or frayed."""
     count, t = number(g), np.linspace(0, 1, 40)[None, :, None]
@@ -163,13 +149,6 @@ def star(g: Random) -> Floats:
     out = cap(g, number(g), 180)
     core = g.choice([0.0, 0.05, 0.3]) * (out if g.random() < 0.5 else g.normal(size=out.shape))
     return grow(g, core, out, jitter(g, len(out)), frizz=g.choice([0, 0.03]))
-
-
-def soup(g: Random) -> Floats:
-    """Random paths, in a ball, a box or anywhere."""
-    count = number(g)
-    roots = [plane(g, count), g.uniform(-1, 1, (count, 3)), g.normal(size=(count, 3))][int(g.integers(3))]
-    return grow(g, roots, g.normal(size=roots.shape), g.uniform(0.1, 3) * jitter(g, count), frizz=g.choice([0, 0.5]))
 
 
 def combed(g: Random) -> Floats:
@@ -242,11 +221,6 @@ def gathered(g: Random) -> Floats:
     return outside((1 - t) * roots[:, None] + t * ends[:, None] + lift, radii)
 
 
-def buzz(g: Random) -> Floats:
-    roots, normals, _ = scalp(g)
-    return grow(g, roots, normals, g.uniform(0.02, 0.3) * (1 - g.choice([0, 0.02]) * g.uniform(size=len(roots))))
-
-
 def beard(g: Random) -> Floats:
     """About the chin, hanging, cut to a curve or not."""
     out = cap(g, number(g), 75) * [1, -1, 1]
@@ -255,15 +229,8 @@ def beard(g: Random) -> Floats:
     return trimmed(strands, lambda p: np.linalg.norm(p, axis=1) - 1.4) if g.random() < 0.5 else strands
 
 
-def parted(g: Random) -> Floats:
-    """To both sides from a parting."""
-    roots, normals, radii = scalp(g)
-    ways = normals * g.uniform(0.2, 1) + np.sign(roots[:, :1]) * [1, 0, 0]
-    return outside(grow(g, roots, ways, g.uniform(1, 4) * jitter(g, len(roots)), sag=0.9, frizz=0.01), radii)
-
-
-THINGS = (grass, hill, plane_fur, line, afro, fur, brush, rope, star, soup, combed, body)
-HAIR = (long_hair, curls, bob, ponytail, gathered, buzz, beard, parted)
+THINGS = (grass, plane_fur, line, afro, fur, rope, star, combed, body)
+HAIR = (long_hair, curls, bob, ponytail, gathered, beard)
 KINDS = {one.__name__: one for one in (*THINGS, *HAIR)}
 UNITS = (1.0, 0.01, 0.001, 0.1, 0.0254)
 

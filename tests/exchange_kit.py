@@ -7,12 +7,14 @@ import tempfile
 from collections.abc import Sequence
 from itertools import pairwise
 from pathlib import Path
+from typing import Any
 
 import numpy as np
 import numpy.typing as npt
 import pytest
 from hypothesis import strategies as st
 
+import mesh_kit
 from strandcli.errors import UsageError
 from strandcli.exchange.files import ReadOptions, read, read_first
 from strandcli.exchange.strands import Attribute, Strands, TimeSample, offsets
@@ -107,28 +109,16 @@ def obj(strands: Sequence[Strand], segments: bool = False, back: bool = False) -
     return text.encode()
 
 
-def gltf(
-    strands: Sequence[Strand], mode: int = 3, index: str = "<u2", **node: object
-) -> tuple[dict[str, object], bytes]:
+def gltf(strands: Sequence[Strand], mode: int = 3, index: str = "<u2", **node: object) -> tuple[dict[str, Any], bytes]:
     """The tree of a glTF of lines and its buffer: strips (3), pairs (1) or loops (2), a primitive a strand."""
-    codes = {"<u1": 5121, "<u2": 5123, "<u4": 5125}
-    buffer, views, accessors, primitives = b"", [], [], []
+    maker = mesh_kit.Maker()
+    maker.tree["nodes"] = [{"mesh": 0, **node}]
     for one in strands:
         rows = np.arange(len(one))
-        rows = np.stack([rows[:-1], rows[1:]], 1).reshape(-1) if mode == 1 else rows
-        for values, kind, width in ((one.astype("<f4"), 5126, "VEC3"), (rows.astype(index), codes[index], "SCALAR")):
-            buffer += bytes(-len(buffer) % 4)
-            views.append({"buffer": 0, "byteOffset": len(buffer), "byteLength": values.nbytes})
-            accessors.append({"bufferView": len(views) - 1, "componentType": kind, "count": len(values), "type": width})
-            buffer += values.tobytes()
-        attributes = {"POSITION": len(accessors) - 2}
-        primitives.append({"mode": mode, "attributes": attributes, "indices": len(accessors) - 1})
-    tree = {
-        "asset": {"version": "2.0"}, "scenes": [{"nodes": [0]}], "nodes": [{"mesh": 0, **node}],
-        "meshes": [{"primitives": primitives}], "accessors": accessors, "bufferViews": views,
-        "buffers": [{"byteLength": len(buffer)}],
-    }  # fmt: skip
-    return tree, buffer
+        rows = np.stack([rows[:-1], rows[1:]], 1) if mode == 1 else rows
+        indices = maker.accessor(rows.reshape(-1, 1).astype(index))
+        maker.primitive({"POSITION": maker.accessor(one.astype("<f4"))}, mode=mode, indices=indices)
+    return maker.whole()
 
 
 def tfx4(strands: Sequence[Strand], uv: bool = True) -> bytes:

@@ -47,12 +47,20 @@ def scene(path: Path, **settings: Any) -> Scene:
     return strandcli.load("groom", settings={**SMALL, **plain, "emitter.groom.file": str(path), **given})
 
 
+def shown(given: Scene, frames: Sequence[int]) -> list[list[npt.NDArray[np.float32]]]:
+    """What is drawn of each strand, in the order of the file, at frames, (points, 3)."""
+    stage = SimulationStage(given, frames, None, RunOptions())
+    found = []
+    for number in frames:
+        moved = stage.begin(number)
+        groom = moved.groom or stage.groom
+        found.append(list(groom.emitted(unpack(moved.positions, groom.strands)[:, 1:]).copy()))
+    return found
+
+
 def drawn(given: Scene, frame: int = 1) -> list[npt.NDArray[np.float32]]:
-    """What is drawn of each strand, in the order of the file, (points, 3)."""
-    stage = SimulationStage(given, [frame], None, RunOptions())
-    moved = stage.begin(frame)
-    packed = unpack(moved.positions, stage.groom.strands)[:, 1:]
-    return list(stage.groom.emitted(packed))
+    """The same at one frame."""
+    return shown(given, [frame])[0]
 
 
 def image(given: Scene, frame: int = 1, **options: Any) -> npt.NDArray[np.uint8]:

@@ -6,6 +6,7 @@ import json
 import struct
 from functools import cache
 from pathlib import Path
+from typing import Any
 
 import numpy as np
 
@@ -161,24 +162,69 @@ def stl(mesh: TriangleMesh, text: bool = False) -> bytes:
     return bytes(80) + np.uint32(corners.shape[0]).tobytes() + rows.tobytes()
 
 
-def gltf_tree(mesh: TriangleMesh, **attributes: np.ndarray) -> tuple[dict, bytes]:
-    """The header of a glTF file without its buffer's name, and the buffer; attributes: further ones, float32."""
-    arrays = {"POSITION": mesh.vertices.astype("<f4"), **attributes, "": mesh.triangles.reshape(-1).astype("<u4")}
-    views, accessors, content = [], [], b""
-    for values in arrays.values():
-        views.append({"buffer": 0, "byteOffset": len(content), "byteLength": values.nbytes})
-        kind = {1: "SCALAR", 2: "VEC2", 3: "VEC3", 4: "VEC4"}[values.shape[1] if values.ndim > 1 else 1]
-        code = 5125 if values.dtype.kind == "u" else 5126
-        accessors.append({"bufferView": len(views) - 1, "componentType": code, "count": len(values), "type": kind})
-        content += values.tobytes()
-    accessors[0] |= {"min": mesh.vertices.min(axis=0).tolist(), "max": mesh.vertices.max(axis=0).tolist()}
-    primitive = {"attributes": {name: k for k, name in enumerate(arrays) if name}, "indices": len(arrays) - 1}
-    tree = {
-        "asset": {"version": "2.0"}, "scene": 0, "scenes": [{"nodes": [0]}], "nodes": [{"mesh": 0}],
-        "meshes": [{"primitives": [primitive]}], "accessors": accessors, "bufferViews": views,
-        "buffers": [{"byteLength": len(content)}],
-    }  # fmt: skip
-    return tree, content
+CODES = {"i1": 5120, "u1": 5121, "i2": 5122, "u2": 5123, "u4": 5125, "f4": 5126}
+
+
+class Maker:
+    """A glTF file in the making, of one primitive a mesh."""
+
+    def __init__(self) -> None:
+        self.data = b""
+        self.tree: dict[str, Any] = {
+            "asset": {"version": "2.0"}, "scene": 0, "scenes": [{"nodes": [0]}], "nodes": [{"mesh": 0}],
+            "meshes": [{"primitives": []}], "accessors": [], "bufferViews": [], "buffers": [{}],
+        }  # fmt: skip
+
+    def view(self, content: bytes, **more: Any) -> int:
+        self.data += bytes(-len(self.data) % 4)
+        self.tree["bufferViews"].append({"buffer": 0, "byteOffset": len(self.data), "byteLength": len(content), **more})
+        self.data += content
+        return len(self.tree["bufferViews"]) - 1
+
+    def accessor(self, values: np.ndarray, stride: int = 0, offset: int = 0, **more: Any) -> int:
+        """Numbers (n, k), each row so many bytes after the one before, the first one at an offset of its view."""
+        rows = np.ascontiguousarray(values).view(np.uint8).reshape(len(values), -1)
+        step = stride or rows.shape[1]
+        content = np.full((len(values), step), 0xAA, np.uint8)
+        content[:, : rows.shape[1]] = rows
+        view = self.view(bytes(offset) + content.tobytes(), **({"byteStride": stride} if stride else {}))
+        return self.entry(values, bufferView=view, byteOffset=offset, **more)
+
+    def entry(self, values: np.ndarray, **more: Any) -> int:
+        kind = {1: "SCALAR", 2: "VEC2", 3: "VEC3", 4: "VEC4"}[values.shape[1]]
+        self.tree["accessors"].append(
+            {"componentType": CODES[values.dtype.str[1:]], "count": len(values), "type": kind, **more}
+        )
+        return len(self.tree["accessors"]) - 1
+
+    def primitive(self, attributes: dict[str, int], **more: Any) -> None:
+        self.tree["meshes"][0]["primitives"].append({"attributes": attributes, **more})
+
+    def picture(self, content: bytes, **more: Any) -> dict[str, Any]:
+        """What a primitive has whose material shows a picture."""
+        self.tree |= {
+            "images": [{"bufferView": self.view(content), "mimeType": "image/png"}], "textures": [{"source": 0}],
+            "materials": [{"pbrMetallicRoughness": {"baseColorTexture": {"index": 0, **more}}}],
+        }  # fmt: skip
+        return {"material": 0}
+
+    def whole(self) -> tuple[dict[str, Any], bytes]:
+        """The header, and the buffer."""
+        self.tree["buffers"][0]["byteLength"] = len(self.data)
+        return self.tree, self.data
+
+    def glb(self, path: Path) -> Path:
+        path.write_bytes(glb(*self.whole()))
+        return path
+
+
+def gltf_tree(mesh: TriangleMesh, **attributes: np.ndarray) -> tuple[dict[str, Any], bytes]:
+    """The header of a glTF file of a mesh, and the buffer; attributes: further ones, float32."""
+    maker = Maker()
+    arrays = {"POSITION": mesh.vertices.astype("<f4"), **attributes}
+    named = {name: maker.accessor(one.reshape(len(one), -1)) for name, one in arrays.items()}
+    maker.primitive(named, indices=maker.accessor(mesh.triangles.reshape(-1, 1).astype("<u4")))
+    return maker.whole()
 
 
 def glb(tree: dict, content: bytes) -> bytes:

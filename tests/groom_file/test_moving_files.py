@@ -15,13 +15,13 @@ import exchange_kit as kit
 import groom_file_kit as groom_kit
 import strandcli
 import usd_kit
+from groom_file_kit import shown
 from strandcli.errors import SimulationError, UsageError
 from strandcli.exchange.files import write
 from strandcli.exchange.strands import TimeSample
 from strandcli.groom.blocks import unpack
 from strandcli.groom_file import from_file
 from strandcli.run.stages import RunOptions, SimulationStage
-from strandcli.scene.model import Scene
 
 Floats = npt.NDArray[np.float64]
 Motion = Callable[[Floats, float], Floats]
@@ -58,17 +58,6 @@ def file_of(folder: Path, form: str, motion: Motion, times: Sequence[float]) -> 
         parts = np.split(sample.points, np.cumsum(COUNTS)[:-1])
         (folder / f"moving.{number:04d}.ply").write_bytes(kit.ply(parts))
     return folder / "moving.####.ply"
-
-
-def shown(given: Scene, frames: Sequence[int]) -> list[list[Any]]:
-    """What is drawn of each strand of the file at frames, without points that shorter ones get."""
-    stage = SimulationStage(given, frames, None, RunOptions())
-    found = []
-    for number in frames:
-        moved = stage.begin(number)
-        groom = moved.groom or stage.groom
-        found.append(list(groom.emitted(unpack(moved.positions, groom.strands)[:, 1:]).copy()))
-    return found
 
 
 def off(strand: Any, points: Floats) -> float:

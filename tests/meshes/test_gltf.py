@@ -24,61 +24,11 @@ from strandcli.meshes import gltf
 from strandcli.meshes.gltf import read_gltf
 from strandcli.meshes.read import read_mesh
 
-CODES = {"i1": 5120, "u1": 5121, "i2": 5122, "u2": 5123, "u4": 5125, "f4": 5126}
 BALL = kit.mesh("ball")
 CORNERS = ((0.0, 0.0, 0.0), (1.0, 0.0, 0.0), (0.0, 1.0, 0.0))
 
 
-class Maker:
-    """A glTF file in the making, of one primitive a mesh."""
-
-    def __init__(self) -> None:
-        self.data = b""
-        self.tree: dict[str, Any] = {
-            "asset": {"version": "2.0"}, "scene": 0, "scenes": [{"nodes": [0]}], "nodes": [{"mesh": 0}],
-            "meshes": [{"primitives": []}], "accessors": [], "bufferViews": [], "buffers": [{}],
-        }  # fmt: skip
-
-    def view(self, content: bytes, **more: Any) -> int:
-        self.data += bytes(-len(self.data) % 4)
-        self.tree["bufferViews"].append({"buffer": 0, "byteOffset": len(self.data), "byteLength": len(content), **more})
-        self.data += content
-        return len(self.tree["bufferViews"]) - 1
-
-    def accessor(self, values: np.ndarray, stride: int = 0, offset: int = 0, **more: Any) -> int:
-        """Numbers (n, k), each row so many bytes after the one before, the first one at an offset of its view."""
-        rows = np.ascontiguousarray(values).view(np.uint8).reshape(len(values), -1)
-        step = stride or rows.shape[1]
-        content = np.full((len(values), step), 0xAA, np.uint8)
-        content[:, : rows.shape[1]] = rows
-        view = self.view(bytes(offset) + content.tobytes(), **({"byteStride": stride} if stride else {}))
-        return self.entry(values, bufferView=view, byteOffset=offset, **more)
-
-    def entry(self, values: np.ndarray, **more: Any) -> int:
-        kind = {1: "SCALAR", 2: "VEC2", 3: "VEC3", 4: "VEC4"}[values.shape[1]]
-        self.tree["accessors"].append(
-            {"componentType": CODES[values.dtype.str[1:]], "count": len(values), "type": kind, **more}
-        )
-        return len(self.tree["accessors"]) - 1
-
-    def primitive(self, attributes: dict[str, int], **more: Any) -> None:
-        self.tree["meshes"][0]["primitives"].append({"attributes": attributes, **more})
-
-    def picture(self, content: bytes, **more: Any) -> dict[str, Any]:
-        """What a primitive has whose material shows a picture."""
-        self.tree |= {
-            "images": [{"bufferView": self.view(content), "mimeType": "image/png"}], "textures": [{"source": 0}],
-            "materials": [{"pbrMetallicRoughness": {"baseColorTexture": {"index": 0, **more}}}],
-        }  # fmt: skip
-        return {"material": 0}
-
-    def glb(self, path: Path) -> Path:
-        self.tree["buffers"][0]["byteLength"] = len(self.data)
-        path.write_bytes(kit.glb(self.tree, self.data))
-        return path
-
-
-def triangle(maker: Maker, **more: Any) -> dict[str, int]:
+def triangle(maker: kit.Maker, **more: Any) -> dict[str, int]:
     return {"POSITION": maker.accessor(np.array(CORNERS, np.float32), **more)}
 
 
@@ -90,7 +40,7 @@ KINDS = st.sampled_from(["i1", "u1", "i2", "u2", "f4"])
 def test_numbers_are_read_however_they_are_stored(
     tmp_path_factory: pytest.TempPathFactory, data: st.DataObject
 ) -> None:
-    maker = Maker()
+    maker = kit.Maker()
     kind, normalized = data.draw(KINDS), data.draw(st.booleans())
     random = np.random.default_rng(data.draw(st.integers(0, 99)))
     info = np.iinfo(kind) if kind != "f4" else None
@@ -114,7 +64,7 @@ def test_numbers_are_read_however_they_are_stored(
 @settings(max_examples=8)
 def test_nodes_place_meshes_as_trimesh_does(tmp_path_factory: pytest.TempPathFactory, seed: int) -> None:
     random = np.random.default_rng(seed)
-    maker = Maker()
+    maker = kit.Maker()
     maker.primitive({"POSITION": maker.accessor(np.ascontiguousarray(BALL.vertices, np.float32))},
                     indices=maker.accessor(BALL.triangles.reshape(-1, 1).astype(np.uint32)))  # fmt: skip
     nodes: list[dict[str, Any]] = []
@@ -137,7 +87,7 @@ def test_nodes_place_meshes_as_trimesh_does(tmp_path_factory: pytest.TempPathFac
 
 def test_buffers_and_pictures_may_stand_in_the_header(tmp_path: Path) -> None:
     Image.fromarray(np.arange(12, dtype=np.uint8).reshape(2, 2, 3)).save(tmp_path / "a b.png")
-    maker = Maker()
+    maker = kit.Maker()
     uv = {"TEXCOORD_1": maker.accessor(np.array([(0, 0), (1, 0), (0, 1)], np.float32))}
     maker.primitive(triangle(maker) | uv, **maker.picture(b"", texCoord=1))
     maker.tree["buffers"] = [{"uri": "data:application/octet-stream;base64," + base64.b64encode(maker.data).decode()}]
@@ -164,7 +114,7 @@ def test_a_picture_runs_no_program(kind: str, tmp_path: Path, monkeypatch: pytes
     (tmp_path / "skin.png").write_bytes(EPS)
     path = tmp_path / f"a{kind}"
     if kind == ".glb":
-        maker = Maker()
+        maker = kit.Maker()
         maker.primitive(triangle(maker), **maker.picture(EPS))
         with pytest.raises(UsageError, match=r"images\[0\]: is no picture"):
             read_mesh(maker.glb(path))
@@ -181,7 +131,7 @@ def test_a_picture_runs_no_program(kind: str, tmp_path: Path, monkeypatch: pytes
 
 def test_a_picture_of_many_primitives_is_decoded_once(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
     Image.new("RGB", (2000, 2000)).save(tmp_path / "a.png")
-    maker = Maker()
+    maker = kit.Maker()
     material = maker.picture((tmp_path / "a.png").read_bytes())
     for _ in range(60):
         maker.primitive(triangle(maker), **material)
@@ -198,7 +148,7 @@ def test_a_picture_of_many_primitives_is_decoded_once(tmp_path: Path, monkeypatc
 
 
 def test_primitives_of_the_same_vertices_have_them_once(tmp_path: Path) -> None:
-    maker = Maker()
+    maker = kit.Maker()
     places = {"POSITION": maker.accessor(np.ascontiguousarray(BALL.vertices, np.float32))}
     for part in np.array_split(BALL.triangles, 9):
         maker.primitive(places, indices=maker.accessor(part.reshape(-1, 1).astype(np.uint16)))
@@ -209,7 +159,7 @@ def test_primitives_of_the_same_vertices_have_them_once(tmp_path: Path) -> None:
 
 @pytest.mark.parametrize("kind", ["nodes", "primitives", "zeros", "empty parts"])
 def test_what_is_named_again_and_again_is_counted_before_memory_is_taken(kind: str, tmp_path: Path) -> None:
-    maker = Maker()
+    maker = kit.Maker()
     places = maker.accessor(np.zeros((3000, 3), np.float32))
     if kind == "nodes":
         maker.primitive({"POSITION": places})
@@ -259,7 +209,7 @@ def test_pixels_of_16_bits_are_grey_and_of_too_many_none(tmp_path: Path, monkeyp
 
 def test_strips_fans_and_sparse_numbers_are_refused(tmp_path: Path) -> None:
     for mode, more, words in ((5, {}, "strips or fans"), (6, {}, "strips or fans"), (4, {"sparse": {}}, "is sparse")):
-        maker = Maker()
+        maker = kit.Maker()
         maker.primitive({"POSITION": maker.accessor(np.arange(18, dtype=np.float32).reshape(6, 3), **more)}, mode=mode)
         with pytest.raises(UsageError, match=words):
             read_mesh(maker.glb(tmp_path / "a.glb"))

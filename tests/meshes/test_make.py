@@ -105,21 +105,6 @@ def test_turned_triangles_take_their_corners_along() -> None:
         np.testing.assert_allclose(mesh.corner_normals[t, turn], whole.corner_normals[t])  # type: ignore[index]
 
 
-def test_what_cannot_be_used_is_left_out_and_told() -> None:
-    vertices, triangles = kit.cube()
-    vertices = np.concatenate([vertices, [[9.0, 9, 9], [0, 0, 1], [1, 1, 1]]])
-    more = [(0, 0, 1), (0, 1, 1), (3, 7, 5), (7, 5, 3), (0, 9, 7)]
-    mesh = make_mesh(vertices, np.concatenate([triangles, more]))
-    assert mesh.facts.no_area == 2
-    assert mesh.facts.repeated == 2
-    assert mesh.facts.unused == 1
-    assert mesh.facts.crowded == 0
-    assert mesh.facts.boundary == 3
-    assert mesh.triangles.shape[0] == 13
-    for word in ("without area", "equal to another", "of no triangle", "open"):
-        assert any(word in note for note in mesh.notes), word
-
-
 def test_a_moebius_strip_has_no_outside_and_says_so() -> None:
     turns = np.arange(12) / 12 * 2 * np.pi
     across = np.stack([np.cos(turns / 2) * np.cos(turns), np.cos(turns / 2) * np.sin(turns), np.sin(turns / 2)], axis=1)
