@@ -193,7 +193,7 @@ class Talk(NamedTuple):
             say(text, err=True)
 
     def warn_if_busy(self, busy: Mapping[str, float] | None, advice: str) -> None:
-        """Warn where other programs took the processor while something was timed (`study.busy`)."""
+        """Warn where other programs took the processor while something was timed (`study.bench`)."""
         from ..study.bench import busy_words
 
         if words := busy_words(busy):

@@ -1,7 +1,8 @@
 """Every place where a command writes fails once, in every way: one line, exit code 4, what was finished stays whole,
 nothing half-written has a final name, and the next run leaves nothing behind.
 
-`make faults` goes through all of it; otherwise a few places of each command, other ones each time, are tried.
+`make faults` goes through all of it; otherwise a few places of each command, other ones each time, are tried, and
+a few renders are killed, as `make kills` kills many.
 """
 
 from __future__ import annotations
@@ -25,6 +26,7 @@ from PIL import Image
 
 import strandcli.output.files as written
 from cli_runs import TINY, Runner
+from kills import kills, terms
 
 KINDS = {
     "disk full": errno.ENOSPC, "input/output error": errno.EIO, "no permission": errno.EACCES, "quota": errno.EDQUOT,
@@ -239,3 +241,14 @@ def test_faults(name: str, run: Runner, tmp_path: Path) -> None:
         after = files(out)
         assert after.keys() == whole.keys(), case
         assert all(alike(one, after[one], whole[one], tmp_path) for one in whole), case
+
+
+def test_killed_renders_lose_nothing(tmp_path: Path) -> None:
+    for found in kills(range(4), tmp_path):
+        assert found["frames that differ"] == found["frames missing"] == found["left behind"] == 0
+
+
+def test_sigterm_ends_in_good_order(tmp_path: Path) -> None:
+    (found,) = terms(range(1), tmp_path)
+    assert found["done"] == 1, found
+    assert found["temporary files"] == 0

@@ -1,9 +1,12 @@
-"""What of Numba and of the system no run can do with is refused in one line; arithmetic has no shortcuts."""
+"""Settings with which nothing works are refused in one line; arithmetic has no shortcuts; signals wait for kernels."""
 
 from __future__ import annotations
 
+import os
+import signal
 import subprocess
 import sys
+from collections.abc import Callable
 from pathlib import Path
 
 import numba
@@ -12,7 +15,9 @@ from numba.np.ufunc import parallel
 
 from cli_runs import TINY, Runner, environment
 from strandcli import doctor
+from strandcli.cli import signals
 from strandcli.compiling import runtime
+from strandcli.compiling.interrupts import interrupts
 from strandcli.doctor import BROKEN
 from strandcli.draw.zbuffer.kernels import lines, raster
 from strandcli.errors import UsageError
@@ -81,3 +86,44 @@ def test_too_few_addresses_for_the_libraries_are_refused(
     assert (found.state, found.advice) == (BROKEN, "ulimit -v unlimited")
     monkeypatch.setattr(resource, "getrlimit", lambda _: (900_000_000, resource.RLIM_INFINITY))
     runtime.require_addresses()
+
+
+def interrupted(work: Callable[[list[str]], None], number: int = signal.SIGINT) -> list[str]:
+    """What ``work``, in which a signal comes, had done when that was raised."""
+    done: list[str] = []
+    kind = signals.Terminated if number == signal.SIGTERM else KeyboardInterrupt
+    with signals.handled(), pytest.raises(kind):
+        work(done)
+    return done
+
+
+def test_it_is_raised_at_the_end_of_the_block() -> None:
+    def work(done: list[str]) -> None:
+        with interrupts.held():
+            with interrupts.held():
+                os.kill(os.getpid(), signal.SIGTERM)
+                done.append("inner")
+            done.append("outer")
+        done.append("never")
+
+    assert interrupted(work, signal.SIGTERM) == ["inner", "outer"]
+
+
+def test_where_it_is_allowed_it_is_raised_at_once() -> None:
+    def work(done: list[str]) -> None:
+        with interrupts.held(), interrupts.allowed():
+            os.kill(os.getpid(), signal.SIGINT)
+            done.append("never")
+
+    assert interrupted(work) == []
+
+
+def test_it_is_raised_where_a_wait_begins() -> None:
+    def work(done: list[str]) -> None:
+        with interrupts.held():
+            os.kill(os.getpid(), signal.SIGINT)
+            done.append("loading")
+            with interrupts.allowed():
+                done.append("never")
+
+    assert interrupted(work) == ["loading"]

@@ -1,4 +1,4 @@
-"""Arrays that are kept from one run to the next: the same bits, and whatever is not what was written is made again."""
+"""Arrays and states that are kept from one run to the next: the same bits, and what is something else is made again."""
 
 from __future__ import annotations
 
@@ -12,6 +12,7 @@ import numpy as np
 import pytest
 from numpy.typing import NDArray
 
+import strandcli
 from mesh_kit import sphere
 from strandcli import load
 from strandcli.compiling import folder
@@ -24,18 +25,25 @@ from strandcli.jit.kept import FREE, kept
 from strandcli.mesh_file import prepared
 from strandcli.meshes.bvh import make_bvh, make_distance_grid
 from strandcli.meshes.make import make_mesh
+from strandcli.run import checkpoints
+from strandcli.run.checkpoints import Checkpoints
+from strandcli.run.frame import Frame
+from strandcli.run.pipeline import render
+from strandcli.scene import Scene
+from tests.run.test_checkpoints import SMALL, Steps, alike
 
 LIKE = {FREE + "many": np.empty(0, np.float32), "few": np.empty((2, 2))}
 CODE = ("strandcli.jit.kept",)
 
 
-@pytest.fixture
+@pytest.fixture(autouse=True)
 def place(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> Path:
-    """An empty folder for arrays; kernels stay in the cache's."""
+    """An empty folder; kernels stay in the cache's. However short a simulation, its state is kept."""
     new = folder.Folder()
     new.use(tmp_path / "cache")
     new.path.mkdir(mode=0o700)
     monkeypatch.setattr(keeping, "folder", SimpleNamespace(cache=new))
+    monkeypatch.setattr(checkpoints, "LEAST", 0)
     return new.path
 
 
@@ -178,3 +186,64 @@ def test_what_children_follow_has_the_bits_and_the_layout_of_what_is_made(
         monkeypatch, found, (family, "_made"), lambda: found(seed=1), lambda: found(**{"children.cut": 0.3}),
         lambda: found(**{"emitter.strands": 80}),
     )  # fmt: skip
+
+
+def scene_of(name: str = "hair", **more: Any) -> Scene:
+    return strandcli.load(name, settings={**SMALL, "time.preroll": 0.5, **more})
+
+
+def run(scene: Scene, frames: list[int], kept: Any = None, **more: Any) -> tuple[list[Frame], int]:
+    """Frames, and how many steps were simulated."""
+    with Steps() as steps:
+        found = list(render(scene, frames, threads=1, keep_positions=True, checkpoints=kept, **more))
+    return found, steps.count
+
+
+@pytest.mark.parametrize("name", ["hair", "solvers"])
+def test_a_later_run_has_the_bits_of_the_first(name: str) -> None:
+    scene = scene_of(name)
+    plain, whole = run(scene, [1, 3])
+    first, simulated = run(scene, [1, 3], Checkpoints(None))
+    assert simulated == whole
+    later, fewer = run(scene, [1, 3], Checkpoints(None))
+    assert fewer < whole
+    assert run(scene, [1], Checkpoints(None))[1] == 0
+    for found in first, later:
+        for a, b in zip(plain, found, strict=True):
+            np.testing.assert_array_equal(a.image, b.image)
+            np.testing.assert_array_equal(a.positions, b.positions)
+            assert a.report["error"] == b.report["error"]
+
+
+def test_only_what_moves_strands_begins_anew(place: Path) -> None:
+    told: list[str] = []
+    steps = []
+    changes: list[dict[str, Any]] = [
+        {}, {"lights.0.intensity": 1.0}, {"camera.fov": 30.0}, {"wind.strength": 5.0}, {"time.preroll": 0.6},
+        {"emitter.strands": 71},
+    ]  # fmt: skip
+    for more in changes:
+        scene = scene_of(**more)
+        found, simulated = run(scene, [1], Checkpoints(None, notify=told.append))
+        assert found[0].report.get("went_on_from") == (None if simulated else 1)
+        steps.append(simulated > 0)
+        np.testing.assert_array_equal(found[0].image, run(scene, [1])[0][0].image)
+    assert steps == [True, False, False, True, True, True]
+    assert told.count("frame 1 as an earlier run left it") == 2
+    assert len(list(place.glob("first-frame-*.arrays"))) == 4
+
+
+def test_a_scene_without_preroll_and_a_short_one_leave_nothing(place: Path, monkeypatch: pytest.MonkeyPatch) -> None:
+    run(scene_of(**{"time.preroll": 0}), [1, 2], Checkpoints(None))
+    monkeypatch.setattr(checkpoints, "LEAST", 1e9)
+    run(scene_of(), [1], Checkpoints(None))
+    assert list(place.glob("first-frame-*")) == []
+
+
+def test_checkpoints_of_the_run_go_before(tmp_path: Path) -> None:
+    scene = scene_of()
+    plain, whole = run(scene, [3], Checkpoints(tmp_path, 2))
+    again, simulated = run(scene, [3], Checkpoints(tmp_path, 2))
+    assert 0 < simulated == scene.time.substeps < whole
+    assert again[0].report["went_on_from"] == 2
+    alike(plain, again)
