@@ -1,17 +1,22 @@
-"""Every program of examples/ runs as its page says: here, or where what it makes is looked at."""
+"""Every program of examples/ runs as its page says, and a labelled data set has its files and cameras."""
 
 from __future__ import annotations
 
 import importlib.util
+import json
 import subprocess
 import sys
 from pathlib import Path
 from typing import Any
 
+import numpy as np
 import pytest
 from PIL import Image
 
+import strandcli
 from cli_runs import ROOT, environment
+from strandcli.study.axes import Request
+from strandcli.study.pictures.subject import Subject
 
 EXAMPLES = ROOT / "examples"
 PICTURES = {
@@ -19,7 +24,6 @@ PICTURES = {
     "fibre_model.py": ("kajiya", "kajiya/frame_0001.png"), "solid_shape.py": ("ring.png", "ring.png"),
 }  # fmt: skip
 """What follows the program, and a picture that it draws."""
-ELSEWHERE = {"dataset.py": "test_dataset.py"}
 
 
 def run(folder: Path, program: str, *words: str) -> str:
@@ -32,9 +36,7 @@ def run(folder: Path, program: str, *words: str) -> str:
 
 def test_each_program_is_run_by_a_test() -> None:
     there = {path.name for path in EXAMPLES.glob("*.py")}
-    assert there == {*PICTURES, *ELSEWHERE, "guides.py", SCRIPT.name}
-    for program, test in ELSEWHERE.items():
-        assert program in Path(__file__).with_name(test).read_text(encoding="utf-8")
+    assert there == {*PICTURES, "guides.py", "against_pyelastica.py", "dataset.py"}
     meshes = Path(__file__).with_name("test_meshes.py").read_text(encoding="utf-8")
     assert "examples/meshes" in meshes
 
@@ -57,18 +59,24 @@ def test_guides_are_compared_with_all_strands(tmp_path: Path) -> None:
     assert lines[0].split()[2] == "0.000"  # all strands beside themselves
 
 
-SCRIPT = Path(__file__).resolve().parents[2] / "examples" / "against_pyelastica.py"
+def loaded(name: str) -> Any:
+    spec = importlib.util.spec_from_file_location(name, EXAMPLES / f"{name}.py")
+    assert spec is not None
+    assert spec.loader is not None
+    module = importlib.util.module_from_spec(spec)
+    sys.modules[name] = module  # dataclasses look their module up
+    spec.loader.exec_module(module)
+    return module
 
 
 @pytest.fixture(scope="module")
 def example() -> Any:
-    spec = importlib.util.spec_from_file_location("against_pyelastica", SCRIPT)
-    assert spec is not None
-    assert spec.loader is not None
-    module = importlib.util.module_from_spec(spec)
-    sys.modules["against_pyelastica"] = module  # dataclasses look their module up
-    spec.loader.exec_module(module)
-    return module
+    return loaded("against_pyelastica")
+
+
+@pytest.fixture(scope="module")
+def dataset() -> Any:
+    return loaded("dataset")
 
 
 def test_without_pyelastica_one_line_says_what_to_install(
@@ -96,3 +104,62 @@ def test_a_step_is_stable_where_the_next_smaller_one_agrees(example: Any) -> Non
     wild, coarse, fine = run(0.4, float("nan")), run(0.3, 0.004), run(0.2, 0.00401)
     assert example.settled([wild, coarse, fine]) is coarse
     assert example.settled([wild, coarse]) is None
+
+
+SMALL = ["--size", "64", "48", "--strands", "300"]
+
+
+def test_a_small_set(dataset: Any, tmp_path: Path, capsys: pytest.CaptureFixture[str]) -> None:
+    whole, part = tmp_path / "whole", tmp_path / "part"
+    assert dataset.main(["--count", "2", "-o", str(whole), *SMALL]) == 0
+    listed = json.loads((whole / "dataset.json").read_text())
+    assert [sample["name"] for sample in listed["samples"]] == ["00000", "00001"]
+    for sample in listed["samples"]:
+        check_sample(whole / sample["name"], sample)
+    # the second sample alone is the same, and is listed beside what is there
+    assert dataset.main(["--count", "1", "--first", "1", "--threads", "1", "-o", str(part), *SMALL]) == 0
+    for name in ("frame_0001.png", "camera.json", "scene.yaml", "depth_0001.npz"):
+        assert (part / "00001" / name).read_bytes() == (whole / "00001" / name).read_bytes()
+    assert dataset.main(["--count", "1", "-o", str(part), *SMALL]) == 0
+    assert json.loads((part / "dataset.json").read_text()) == listed
+
+
+def check_sample(folder: Path, sample: dict[str, Any]) -> None:
+    """What a sample holds agrees: strands' particles are seen by its matrices where its layers say."""
+    camera = json.loads((folder / "camera.json").read_text())
+    k, r, t = (np.array(camera[name]) for name in ("K", "R", "t"))
+    np.testing.assert_allclose(r @ r.T, np.eye(3), atol=1e-12)
+    assert np.linalg.det(r) == pytest.approx(1)
+    depth, ids = (np.load(folder / f"{name}_0001.npz")[name] for name in ("depth", "strand_id"))
+    assert depth.shape == ids.shape == (camera["height"], camera["width"]) == (48, 64)
+    assert sample["hair_share"] > 0.02
+    scene = strandcli.load(str(folder / "scene.yaml"))
+    assert scene.seed == camera["seeds"]["scene"]
+    (frame,) = strandcli.render(scene)
+    with Image.open(folder / "frame_0001.png") as image:
+        np.testing.assert_array_equal(np.asarray(image), frame.image)
+    # each pixel of a strand lies on the polyline of that strand, within what curves and pixels take
+    subject = Subject(Request(scene, "sample", size=scene.image.size, strands=scene.drawn_strands))
+    subject.move()
+    rows, columns = np.nonzero(ids >= 0)
+    there = depth[rows, columns]
+    pixels = np.stack([columns + 0.5, rows + 0.5, np.ones(len(rows))], 1)
+    points = ((pixels @ np.linalg.inv(k).T) * there[:, None] - t) @ r
+    strands = subject.points()[ids[rows, columns], 1:]
+    off = np.min(np.linalg.norm(strands - points[:, None], axis=2), 1)
+    spacing = np.linalg.norm(np.diff(strands, axis=1), axis=2).max(1)
+    assert (off < 0.6 * spacing + 1.5 * there / k[0, 0]).all()
+
+
+def test_bad_input_is_one_line(dataset: Any, tmp_path: Path, capsys: pytest.CaptureFixture[str]) -> None:
+    with pytest.raises(SystemExit) as ended:
+        dataset.main(["--count", "0"])
+    assert ended.value.code == 2
+    capsys.readouterr()
+    assert dataset.main(["--strands", "0", "-o", str(tmp_path / "set")]) == 2
+    assert "emitter.strands" in capsys.readouterr().err
+    (tmp_path / "file").write_text("")
+    assert dataset.main(["-o", str(tmp_path / "file"), *SMALL]) == 4
+    lines = capsys.readouterr().err.splitlines()
+    assert len(lines) == 1
+    assert lines[0].startswith("dataset.py: ")

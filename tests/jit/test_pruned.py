@@ -92,20 +92,9 @@ def test_a_draw_from_the_cache_makes_none_and_does_not_import_what_the_compiler_
         "         for one in vars(module).values() if isinstance(one, Deferred)]\n"
         "print(len(there), sum(one._made is not None for one in there), 'numba.np.arrayobj' in sys.modules)\n"
     )
-    arguments = [
-        "render",
-        "minimal",
-        "-f",
-        "1",
-        "--size",
-        "32x24",
-        "--quiet",
-        "--overwrite",
-        "-o",
-        str(tmp_path / "out"),
-    ]
+    words = "render minimal -f 1 --size 32x24 --quiet --overwrite -o"
     for _ in range(2):  # the first may compile
-        command = [sys.executable, "-c", program, *arguments]
+        command = [sys.executable, "-c", program, *words.split(), str(tmp_path / "out")]
         done = subprocess.run(command, capture_output=True, text=True, check=True)
     count, made, imported = done.stdout.split()
     assert int(count) > 300
