@@ -4,7 +4,11 @@ W = 128
 """Strands a block, one a lane: LLVM's interleaved vector loops need 64 to run at all; 128 measured a sixth faster."""
 
 BATCH_VERTICES = 6_000_000
-"""Vertices that are drawn at once, 36 bytes each: more strands go through in batches."""
+"""Vertices that a z-buffer draws at once, 36 bytes each: more strands go through in batches."""
+
+SORTED_POINTS, BAND_POINTS = 2_000_000, 800_000
+"""Points of strands that are sorted at once; more are, in batches of so many, drawn in bands of rows with about so many
+vertices."""
 
 FRAGMENTS = 4_194_304
 """Fragments of sorted strands that are held at once, `FRAGMENT_BYTES` each: more go through in bands of rows."""

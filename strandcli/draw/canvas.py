@@ -6,7 +6,7 @@ segment in front of each sample, or fragments are sorted by depth and those behi
 
 from __future__ import annotations
 
-from collections.abc import Callable, Sequence
+from collections.abc import Callable, Iterable, Sequence
 from dataclasses import dataclass, field, replace
 from functools import partial
 from typing import NamedTuple
@@ -17,7 +17,7 @@ from numpy.typing import NDArray
 from .common.drawing import Drawing
 from .common.kernels.keys import EMPTY, FIRST
 from .common.scratch import Scratch
-from .coverage.coverage import Coverage, Layer
+from .coverage.coverage import Coverage, Layer, Rows
 from .coverage.kernels.resolve import CLOSED
 from .coverage.kernels.width_profiles import add_to_zbuffer
 from .film.aovs import Recorder
@@ -49,7 +49,7 @@ class Exposed(NamedTuple):
 
 @dataclass
 class Canvas:
-    """The picture so far: call `composite_sorted` with all strands, or `rasterise` for each batch and then `finish`."""
+    """The picture so far: call `composite_sorted` once, or `rasterise` for each batch and then `finish`."""
 
     size: tuple[int, int]
     """Width and height, samples."""
@@ -65,7 +65,7 @@ class Canvas:
     drawing: Drawing
     scratch: Scratch
     segments: int = 0
-    """Number of segments drawn."""
+    """Number of segments drawn, for each band of rows that their strand comes to."""
     fragments: int = 0
     """Samples that show a strand; of sorted strands, all fragments, also those behind solids."""
     keys: NDArray[np.uint64] = field(init=False)
@@ -101,29 +101,42 @@ class Canvas:
         """The image, and its transmittance if it has no background."""
         return (self.image,) if self.through is None else (self.image, self.through.image)
 
-    def composite_sorted(self, batch: StrandBatch, coverage: Coverage) -> None:
-        """Composite all strands, in one batch, over the solids, sorted by depth in each pixel."""
-        lines, screen, light = batch.lines, batch.screen, self.lighting
-        self.scratch.borrow("colours", lines.world.shape, np.float32)  # the last that memory is taken for in turns
-        self.scratch.let_go()
+    def composite_sorted(self, bands: Iterable[tuple[StrandBatch, Rows]], coverage: Coverage) -> None:
+        """Composite bands of rows, from top to bottom, each with the strands that come to it, over the solids, sorted
+        by depth in each pixel."""
+        light = self.lighting
         front = None if self.recorder is None else self.keys.copy()
         edges = None
         if light.solids is not None:
             edges = find_edges(self.keys, light.solids, light.view, self.size, self.scratch)
+        for batch, rows in bands:
+            self._band(batch, rows, coverage, edges, front)
+            self._base += len(batch.lines.world)
+            self.segments += batch.lines.segments
+            del batch  # before the next is made
+        if self.recorder is not None and front is not None:
+            self.recorder.rest(front, light)
+        self.fragments = coverage.fragments
+
+    def _band(
+        self, batch: StrandBatch, rows: Rows, coverage: Coverage, edges: Edges | None, front: NDArray[np.uint64] | None
+    ) -> None:  # fmt: skip
+        """Composite a band of rows; front: a z-buffer of the strands in front, for AOVs."""
+        lines, screen, view = batch.lines, batch.screen, self.lighting.view
+        self.scratch.borrow("colours", lines.world.shape, np.float32)  # the last that memory is taken for in turns
+        self.scratch.let_go()
         for layer in coverage.layers(
-            lines, screen, batch.widths, edges, self.workers, self.scratch, light.view.depth_slope
+            lines, screen, batch.widths, edges, self.workers, self.scratch, view.depth_slope, rows
         ):
             self.drawing.lap("raster")
             if edges is not None:
                 self._behind(layer, edges)
             self._blend(layer, batch)
             if self.recorder is not None and front is not None:
-                self.recorder.layer(layer, lines, screen, front)
+                self.recorder.layer(layer, lines, screen, self._base, front)
             self.drawing.lap("film")
         if self.recorder is not None and front is not None:
-            self.recorder.strands(lines, screen, front, 0, batch.begin, light.view)
-            self.recorder.rest(front, light)
-        self.segments, self.fragments = lines.segments, coverage.fragments
+            self.recorder.strands(lines, screen, front, self._base, batch.begin, view)
 
     def _behind(self, layer: Layer, edges: Edges) -> None:
         """Shade the solids in the rows of a layer, but where its strands hide them wholly."""

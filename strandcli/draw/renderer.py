@@ -13,6 +13,7 @@ from ..groom.followers import Followers
 from ..groom.record import Groom
 from ..scene.model import Scene
 from ..solids import Solids, pack_all
+from .bands import bands
 from .canvas import Canvas, Exposed
 from .common.drawing import Drawing, ProcessorDrawing
 from .common.scratch import IN_LIGHT, POSITIONS, Scratch
@@ -191,19 +192,18 @@ class Renderer:
 
     def _batches(self, strands: Strands, view: View, mapped: bool) -> StrandBatches:
         """Return the batches in which strands are drawn; ``mapped``: whether they are drawn into shadow maps too."""
-        # sorting and shadows at vertices need all strands at once
-        whole = self.coverage is not None or bool(self.shadowed)
-        segments = strands.positions.shape[1] - 1
-        ranges = [(0, strands.count)] if whole else divide(strands.count, segments, self.scene.curves)
+        ranges = [(0, strands.count)]  # shadows at vertices need all strands at once
+        if not self.shadowed:
+            ranges = divide(strands.count, strands.positions.shape[1] - 1, self.scene.curves, self.coverage is not None)
         return StrandBatches(
             self.scene, strands, view, self._thins, ranges, mapped or bool(self.shadowed), self._drawing, self.scratch,
         )  # fmt: skip
 
     def _fill_maps(self, maps: ShadowMaps, batches: StrandBatches, lines: Polylines | None, workers: int) -> None:
         """Draw all strands into the shadow maps before any is shaded; ``lines``: of the only batch, if they exist."""
-        if self.coverage is not None:  # sorted strands are one batch
-            maps.chances = chances_of(batches.strands.ids, batches.strands.count)
         if lines is not None:
+            if self.coverage is not None:
+                maps.chances = chances_of(batches.strands.ids, batches.strands.count)
             self.scratch.release(*POSITIONS)
             return maps.build(lines, workers, self.scratch)
         for again in (False, True) if maps.deep else (False,):
@@ -219,8 +219,7 @@ class Renderer:
                 canvas.rasterise(batch)
             canvas.finish()
         else:
-            for batch in batches.seen(0.0, lines):
-                canvas.composite_sorted(batch, self.coverage)
+            canvas.composite_sorted(bands(batches, self.size, lines), self.coverage)
 
     def _note_counts(self, strands: Strands, canvas: Canvas) -> None:
         """Store the numbers of strands, segments and fragments drawn, for the report."""

@@ -8,13 +8,14 @@ from dataclasses import dataclass, replace
 import numpy as np
 from numpy.typing import NDArray
 
-from ..constants import BATCH_VERTICES, W
+from ..constants import BAND_POINTS, BATCH_VERTICES, SORTED_POINTS, W
 from ..scene.model import Curves, Scene
 from .common.drawing import Drawing
 from .common.scratch import Scratch
 from .coverage.kernels import width_profiles
 from .coverage.kernels.width_profiles import Profiles
-from .geometry.curves import Polylines, flatten, greatest_pieces
+from .geometry import curves as curve
+from .geometry.curves import Polylines, greatest_pieces
 from .geometry.detail import Level
 from .geometry.extent import lost_of, widths_of
 from .geometry.kernels.curves import shorten
@@ -111,35 +112,44 @@ class StrandBatches:
     def lines(self) -> Iterator[Polylines]:
         """Yield the polylines of each batch; they are valid until the next are requested."""
         for begin, end in self.ranges:
-            yield self._flatten(begin, end)
+            yield self.flatten(begin, end)
 
     def seen(self, least: float, lines: Polylines | None = None) -> Iterator[StrandBatch]:
         """Yield each batch on the screen; it is valid until the next is requested.
 
         ``least``: least width of a strand, samples; ``lines``: polylines of the only batch, if they exist already.
         """
-        scene, scratch = self.scene, self.scratch
         for begin, end in self.ranges:
-            here = self._flatten(begin, end) if lines is None else lines
-            screen = raster.to_screen(here, self.view, scratch)
-            widths = widths_of(here, screen, self.view, scene.material, least, self.thins, scratch)
-            profiles = None
-            if scene.material.rounded:
-                profiles = profiles_of(screen, widths, scene.image.supersample, scratch)
-            self.drawing.lap("curves")
-            yield StrandBatch(begin, end, here, self.strands.tones[begin:end], screen, widths, profiles)
+            yield self.on_screen(begin, end, self.flatten(begin, end) if lines is None else lines, least)
 
-    def _flatten(self, begin: int, end: int) -> Polylines:
-        """Return the polylines of the strands begin <= s < end."""
+    def on_screen(self, begin: int, end: int, lines: Polylines, least: float) -> StrandBatch:
+        """Return the strands begin <= s < end on the screen; least: as in `seen`."""
+        scene, scratch = self.scene, self.scratch
+        screen = raster.to_screen(lines, self.view, scratch)
+        widths = widths_of(lines, screen, self.view, scene.material, least, self.thins, scratch)
+        profiles = self.profiles(screen, widths)
+        self.drawing.lap("curves")
+        return StrandBatch(begin, end, lines, self.strands.tones[begin:end], screen, widths, profiles)
+
+    def profiles(self, screen: NDArray[np.float32], widths: NDArray[np.float32] | None) -> Profiles | None:
+        """Return profiles as `profiles_of`; None if the material has none."""
+        if not self.scene.material.rounded:
+            return None
+        return profiles_of(screen, widths, self.scene.image.supersample, self.scratch)
+
+    def flatten(self, begin: int, end: int, shown: NDArray[np.bool_] | None = None) -> Polylines:
+        """Return the polylines of the strands begin <= s < end; shown (end - begin,): of which of them, None: all."""
         strands, blocks = self.strands, slice(begin // W, -(-end // W))
         level = strands.level
         fade = None if level is None else level.fade[begin:end]
+        if shown is not None:
+            fade = np.where(shown, np.float32(1) if fade is None else fade, np.float32(0))
         curves = self.scene.curves
         shares = None if strands.shares is None else strands.shares[begin:end]
         radii = None
         if shares is not None and level is not None and curves.mode == "thinned":
             radii = shares * (np.float32(0.5 * self.scene.material.width) * level.scale[begin:end, None])
-        lines = flatten(
+        lines = curve.flatten(
             strands.positions[blocks], None if strands.lengths is None else strands.lengths[blocks], end - begin,
             curves, self.view, self.off_screen, self.scratch, fade, radii,
         )  # fmt: skip
@@ -155,11 +165,13 @@ class StrandBatches:
         return lines
 
 
-def divide(strands: int, n: int, curves: Curves) -> list[tuple[int, int]]:
-    """Return ranges (begin, end) of strands of n segments, whole blocks, with at most `BATCH_VERTICES` vertices if a
-    block has no more."""
-    vertices = (n - 1) * greatest_pieces(curves) + 1
-    step = max(BATCH_VERTICES // vertices // W, 1) * W
+def divide(strands: int, n: int, curves: Curves, sorts: bool) -> list[tuple[int, int]]:
+    """Return ranges (begin, end) of strands of n points, whole blocks, if a block has no more with at most
+    `BATCH_VERTICES` vertices, or, of more than `SORTED_POINTS` that are sorted, `BAND_POINTS` points."""
+    at_once = BATCH_VERTICES // ((n - 1) * greatest_pieces(curves) + 1)
+    if sorts:
+        at_once = (BAND_POINTS if strands * n > SORTED_POINTS else SORTED_POINTS) // n
+    step = max(at_once // W, 1) * W
     return [(begin, min(begin + step, strands)) for begin in range(0, strands, step)]
 
 

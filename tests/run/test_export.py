@@ -14,8 +14,8 @@ import exchange_kit
 import groom_file_kit
 from cli_runs import Runner
 from strand_kit import scene_of
-from strandcli.draw import strand_batches
 from strandcli.draw.drawn_strands import DrawnStrands
+from strandcli.draw.geometry import curves
 from strandcli.exchange.files import read
 from strandcli.run.export import drawn_strands
 from strandcli.run.pipeline import render
@@ -42,7 +42,7 @@ SCENES = {
 def drawn(scene: Scene, frames: list[int]) -> list[Any]:
     """Of each frame the polylines that are drawn, and the places of their strands in the order of emission."""
     found = []
-    flatten, strands = strand_batches.flatten, DrawnStrands.at
+    flatten, strands = curves.flatten, DrawnStrands.at
     ids: list[Any] = []
 
     def kept(*given: Any) -> Any:
@@ -54,7 +54,7 @@ def drawn(scene: Scene, frames: list[int]) -> list[Any]:
         ids.append(None if given[5] is None else given[5].copy())
         return strands(self, *given)
 
-    with patch.object(strand_batches, "flatten", kept), patch.object(DrawnStrands, "at", known):
+    with patch.object(curves, "flatten", kept), patch.object(DrawnStrands, "at", known):
         list(render(scene, frames, threads=1))
     return found
 

@@ -31,6 +31,8 @@ from .kernels.tile_binning import TileSegments
 from .kernels.tiles import BLOCK, MOST, PIXELS, SAFE, SPAN, STEP, TILE_HEIGHT, TILE_WIDTH, Fragments, PictureWindows
 from .kernels.width_profiles import Profiles, add_to_fragments
 
+Rows = tuple[int, int]
+"""The first row of a part of a picture, and its end."""
 NO_WINDOWS = PictureWindows(np.zeros(0, np.float32), 0, 0)
 
 
@@ -150,15 +152,19 @@ class Coverage:
         workers: int,
         scratch: Scratch,
         depth_slope: DepthSlope = FLAT,
+        rows: Rows | None = None,
     ) -> Iterator[Layer]:
         """Yield the layers of a picture from top to bottom; each is valid until the next is requested.
 
         screen (V, 3), widths (V,), or None for lines one sample wide: as in `ScreenLines`; edges: of the solids, if
-        there are any; depth_slope: of the view, for the depth of wide strands, which are round.
+        there are any; depth_slope: of the view, for the depth of wide strands, which are round; rows: that are drawn,
+        None: all.
 
         Raises `RefusedError` if one row of pixels has more fragments than there is room for.
         """
-        self.fragments = self.peak_bytes = 0
+        first, last = rows or (0, self.size[1])
+        if first == 0:
+            self.fragments = self.peak_bytes = 0
         marks = scratch.borrow("marks", len(screen), np.uint8)
         lit = None
         drawn = ScreenLines(lines.first, screen, widths)
@@ -167,9 +173,9 @@ class Coverage:
         closed.fill(0)
         windows = windows_of(edges, self.size)
         picture = Picture(drawn, extents, lines.stride, edges, windows, depth_slope, closed, scratch)
-        if not self._rows.any():
-            self._estimate(drawn)
-        pending = self._cuts()[::-1]
+        if not self._rows[first:last].any():
+            self._rows[first:last] = self._estimate(drawn)[first:last]
+        pending = self._cuts(first, last)[::-1]
         while pending:
             top, bottom = pending.pop()
             marks.fill(0)
@@ -180,13 +186,13 @@ class Coverage:
             if lit is not None:
                 np.greater(marks, lit, out=marks.view(bool))
                 lit |= marks
-            elif bottom < self.size[1]:
+            elif bottom < last:
                 lit = marks.copy()
             self.fragments += found
             yield layer
 
-    def _estimate(self, lines: ScreenLines) -> None:
-        """Store about how many fragments each row of the picture will have: those of a segment in the row in which it
+    def _estimate(self, lines: ScreenLines) -> NDArray[np.float64]:
+        """Return about how many fragments each row of the picture will have: those of a segment in the row in which it
         begins."""
         size, count = np.array(self.size, np.float32), len(lines.screen)
         total = np.zeros(self.size[1])
@@ -205,9 +211,9 @@ class Coverage:
             cells[none] = 0
             rows = np.minimum(begin[:, 1], size[1] - 1).astype(np.int64)
             total += np.bincount(rows, cells, self.size[1])
-        self._rows = UNSURE * total
+        return UNSURE * total
 
-    def _finer(self, top: int, bottom: int, found: int) -> list[tuple[int, int]]:
+    def _finer(self, top: int, bottom: int, found: int) -> list[Rows]:
         """Divide rows with too many fragments into ranges for which there is room.
 
         Raises `RefusedError` for a single row."""
@@ -220,10 +226,10 @@ class Coverage:
         pieces = min(max(math.ceil(1.3 * found / self.room), 2), bottom - top)
         return list(pairwise(top + (bottom - top) * i // pieces for i in range(pieces + 1)))
 
-    def _cuts(self) -> list[tuple[int, int]]:
-        """Divide the picture into ranges of rows for which there is room, by the last frame's fragments."""
-        share = np.cumsum(self._rows) * LAYER_ROOM / self.room
-        cuts = [0, *(np.flatnonzero(np.diff(share.astype(np.int64))) + 1).tolist(), self.size[1]]
+    def _cuts(self, first: int, last: int) -> list[Rows]:
+        """Divide rows into ranges for which there is room, by the last frame's fragments."""
+        share = np.cumsum(self._rows[first:last]) * LAYER_ROOM / self.room
+        cuts = [first, *(np.flatnonzero(np.diff(share.astype(np.int64))) + first + 1).tolist(), last]
         return list(pairwise(cuts))
 
     def _note(self, found: NDArray[np.int64], top: int, bottom: int) -> None:

@@ -63,12 +63,15 @@ class Recorder:
             there[edges.pixels] = edges.counts.sum(1) / WHOLE
         self._found["solid"] = there.reshape(height, k, width, k).mean((1, 3), dtype=np.float32)
 
-    def layer(self, layer: Layer, lines: Polylines, screen: NDArray[np.float32], keys: NDArray[np.uint64]) -> None:
+    def layer(
+        self, layer: Layer, lines: Polylines, screen: NDArray[np.float32], base: int, keys: NDArray[np.uint64]
+    ) -> None:
         """Write the strand that contributes most to each sample of a layer to ``keys`` (samples · samples · height ·
-        width,), which contain the solids; call `strands` after the last layer."""
+        width,), which contain the solids, its first vertex with the number ``base``; call `strands` after the last
+        layer."""
         if self._shares is None:
             self._shares = np.zeros(len(keys), np.float32)
-        kernel.front(layer.fragments, len(lines.world), screen, np.float32(LEAST), keys, self._shares)
+        kernel.front(layer.fragments, len(lines.world), screen, base, np.float32(LEAST), keys, self._shares)
 
     def strands(
         self, lines: Polylines, screen: NDArray[np.float32], keys: NDArray[np.uint64], base: int, begin: int,

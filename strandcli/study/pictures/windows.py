@@ -43,8 +43,8 @@ class WindowBatches(StrandBatches):
 
     wide: View
 
-    def _flatten(self, begin: int, end: int) -> Polylines:
-        return StrandBatches._flatten(replace(self, view=self.wide), begin, end)
+    def flatten(self, begin: int, end: int, shown: NDArray[np.bool_] | None = None) -> Polylines:
+        return StrandBatches.flatten(replace(self, view=self.wide), begin, end, shown)
 
 
 class WindowRenderer(LinearRenderer):

@@ -20,11 +20,12 @@ RED, GREEN, BLUE = np.float32(0.2126), np.float32(0.7152), np.float32(0.0722)
 
 
 @parallel
-def front(fragments, vertices, screen, least, keys, mask):
+def front(fragments, vertices, screen, base, least, keys, mask):
     """Write the strand that contributes most to each pixel to a z-buffer of solids, where strands contribute enough.
 
-    fragments: `tiles.Fragments`; vertices: number of vertices; screen (V, 3); least: least share of light from strands;
-    keys (height * width,) uint64; mask (height * width,) float32 out: share of light from strands.
+    fragments: `tiles.Fragments`; vertices: number of vertices; screen (V, 3); base: number of the first in the keys;
+    least: least share of light from strands; keys (height * width,) uint64; mask (height * width,) float32 out: share
+    of light from strands.
     """
     for one in prange(fragments.begin.shape[0]):
         number = np.int64(one)
@@ -59,7 +60,7 @@ def front(fragments, vertices, screen, least, keys, mask):
                 t = t * np.float32(stride) - np.float32(past)
                 q = max(screen[v, 2] + t * (screen[v + 1, 2] - screen[v, 2]), ZERO)
                 depth = np.uint64(np.float32(q).view(np.uint32))
-                keys[y * width + x] = ((LOW - depth) << SHIFT) | np.uint64(v)
+                keys[y * width + x] = ((LOW - depth) << SHIFT) | np.uint64(base + v)
 
 
 @parallel
