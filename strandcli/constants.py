@@ -6,9 +6,11 @@ W = 128
 BATCH_VERTICES = 6_000_000
 """Vertices that a z-buffer draws at once, 36 bytes each: more strands go through in batches."""
 
-SORTED_POINTS, BAND_POINTS = 2_000_000, 800_000
-"""Points of strands that are sorted at once; more are, in batches of so many, drawn in bands of rows with about so many
-vertices."""
+SORTED_POINTS = 2_000_000
+"""Points of strands that are sorted at once; more are, in batches, drawn in bands of rows."""
+
+BAND_VERTICES, BANDS = 800_000, 16
+"""Vertices of a batch and of a band of rows, about, and most bands: a strand is made once for each that it comes to."""
 
 FRAGMENTS = 4_194_304
 """Fragments of sorted strands that are held at once, `FRAGMENT_BYTES` each: more go through in bands of rows."""

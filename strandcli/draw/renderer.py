@@ -219,7 +219,7 @@ class Renderer:
                 canvas.rasterise(batch)
             canvas.finish()
         else:
-            canvas.composite_sorted(bands(batches, self.size, lines), self.coverage)
+            canvas.composite_sorted(bands(batches, self.coverage, lines), self.coverage)
 
     def _note_counts(self, strands: Strands, canvas: Canvas) -> None:
         """Store the numbers of strands, segments and fragments drawn, for the report."""

@@ -8,7 +8,7 @@ from dataclasses import dataclass, replace
 import numpy as np
 from numpy.typing import NDArray
 
-from ..constants import BAND_POINTS, BATCH_VERTICES, SORTED_POINTS, W
+from ..constants import BAND_VERTICES, BATCH_VERTICES, SORTED_POINTS, W
 from ..scene.model import Curves, Scene
 from .common.drawing import Drawing
 from .common.scratch import Scratch
@@ -167,10 +167,12 @@ class StrandBatches:
 
 def divide(strands: int, n: int, curves: Curves, sorts: bool) -> list[tuple[int, int]]:
     """Return ranges (begin, end) of strands of n points, whole blocks, if a block has no more with at most
-    `BATCH_VERTICES` vertices, or, of more than `SORTED_POINTS` that are sorted, `BAND_POINTS` points."""
-    at_once = BATCH_VERTICES // ((n - 1) * greatest_pieces(curves) + 1)
-    if sorts:
-        at_once = (BAND_POINTS if strands * n > SORTED_POINTS else SORTED_POINTS) // n
+    `BATCH_VERTICES` vertices, or, of more than `SORTED_POINTS` that are sorted, about `BAND_VERTICES`."""
+    most = (n - 1) * greatest_pieces(curves) + 1
+    at_once = BATCH_VERTICES // most
+    if sorts:  # adaptive curves have half of the pieces that they may have, about
+        several = 2 * BAND_VERTICES // (most + n)
+        at_once = several if strands * n > SORTED_POINTS else strands
     step = max(at_once // W, 1) * W
     return [(begin, min(begin + step, strands)) for begin in range(0, strands, step)]
 

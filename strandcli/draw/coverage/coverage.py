@@ -173,8 +173,8 @@ class Coverage:
         closed.fill(0)
         windows = windows_of(edges, self.size)
         picture = Picture(drawn, extents, lines.stride, edges, windows, depth_slope, closed, scratch)
-        if not self._rows[first:last].any():
-            self._rows[first:last] = self._estimate(drawn)[first:last]
+        if not self.foresees:
+            self.foresee(self.estimate(drawn))
         pending = self._cuts(first, last)[::-1]
         while pending:
             top, bottom = pending.pop()
@@ -191,7 +191,16 @@ class Coverage:
             self.fragments += found
             yield layer
 
-    def _estimate(self, lines: ScreenLines) -> NDArray[np.float64]:
+    @property
+    def foresees(self) -> bool:
+        """Whether there are numbers of fragments of another frame, or estimated ones, for `layers`."""
+        return bool(self._rows.any())
+
+    def foresee(self, rows: NDArray[np.float64]) -> None:
+        """Store about how many fragments each row will have."""
+        self._rows = rows
+
+    def estimate(self, lines: ScreenLines) -> NDArray[np.float64]:
         """Return about how many fragments each row of the picture will have: those of a segment in the row in which it
         begins."""
         size, count = np.array(self.size, np.float32), len(lines.screen)

@@ -38,6 +38,13 @@ def choose(positions, strands, view, tolerance, fade, radii, rows, sizes, error)
     n = np.int64(positions.shape[1] - 1)
     for task in prange((strands + TOGETHER - 1) // TOGETHER):
         low = np.int64(task) * TOGETHER
+        drawn = fade.shape[0] == 0
+        for s in range(low, min(low + TOGETHER, fade.shape[0])):
+            drawn = drawn or fade[s] != ZERO
+        if not drawn:
+            sizes[low : low + TOGETHER] = 0
+            error[low : low + TOGETHER] = ZERO
+            continue
         points = np.empty((TOGETHER, n, 3), np.float32)
         own = np.empty(n if radii is not None else 0, np.float32)
         block, lane = positions[low // W], low % W
