@@ -6,7 +6,18 @@ import math
 from typing import TYPE_CHECKING, Any
 
 from ..common.registry import FIBRES
-from ..constants import BATCH_VERTICES, FRAGMENTS, LAYER_ROOM, PART_BYTES, SORTED_BYTES, SORTING_BYTES, W
+from ..constants import (
+    BAND_VERTICES,
+    BANDS,
+    BATCH_VERTICES,
+    FRAGMENTS,
+    LAYER_ROOM,
+    PART_BYTES,
+    SORTED_BYTES,
+    SORTED_POINTS,
+    SORTING_BYTES,
+    W,
+)
 from ..draw.shadows.shadow_model import ShadowModel, casts_map, counts_strands, model_of, needs_counts, shades_vertices
 from ..scene.model import MeshShape
 from ..scene.model.emitter import TIED
@@ -110,8 +121,11 @@ def picture_bytes(plan: Plan, scene: Scene) -> int:
     assert sizes is not None
     strands = sizes.made
     vertices = round(sizes.segments) + strands
-    if scene.image.resolver == "zbuffer" and not any(shades_vertices(light) for light in scene.lights):
-        vertices = min(vertices, BATCH_VERTICES + vertices // max(strands, 1) * W)
+    if not any(shades_vertices(light) for light in scene.lights):
+        if scene.image.resolver == "zbuffer":
+            vertices = min(vertices, BATCH_VERTICES + vertices // max(strands, 1) * W)
+        elif strands * sizes.points > SORTED_POINTS:  # a batch, and a band, with what is beside it
+            vertices = min(vertices, BAND_VERTICES + 2 * max(BAND_VERTICES, vertices // BANDS))
     # in the world, how far along their strands they stand, which way these go
     total = vertices * {"adaptive": 16, "thinned": 28}.get(scene.curves.mode, 12)
     total += _turns_bytes(plan, scene, vertices)
