@@ -40,10 +40,10 @@ def bands(
         found = extents_on_screen(*drawn, width, batches.scratch)
         reach[:, batch.begin : batch.end] = found[:, [LEAST_Y, GREATEST_Y]].T
         rows += np.bincount(np.clip(batch.screen[:, 1], 0, height - 1).astype(np.int64), minlength=height)
-        if not coverage.foresees:
+        if not coverage.rows.any():
             foreseen += coverage.estimate(drawn)
-    if not coverage.foresees:
-        coverage.foresee(foreseen)
+    if not coverage.rows.any():
+        coverage.rows = foreseen
     for top, bottom in _cut(rows, batches.scene.image.supersample):
         counts, parts = [], []
         for begin, end in batches.ranges:

@@ -7,9 +7,8 @@ at visible vertices; then the fragments are blended with the picture.
 
 from __future__ import annotations
 
-import functools
 import math
-from collections.abc import Iterator, Sequence
+from collections.abc import Iterator
 from dataclasses import dataclass
 from itertools import pairwise
 from typing import Any
@@ -62,16 +61,11 @@ def windows_of(edges: Edges | None, size: tuple[int, int]) -> PictureWindows:
     padded = np.full((down * BLOCK, across * BLOCK), np.inf, np.float32)
     padded[: size[1], : size[0]] = edges.hides.reshape(size[::-1])
     blocks = np.full((down + SPAN - 1, across + SPAN - 1), np.inf, np.float32)
-    rows = _least([padded[j::BLOCK] for j in range(BLOCK)])
-    blocks[:down, :across] = _least([rows[:, i::BLOCK] for i in range(BLOCK)])
-    rows = _least([blocks[j : j + down] for j in range(SPAN)])
-    least = _least([rows[:, i : i + across] for i in range(SPAN)]) * SAFE
+    rows = np.minimum.reduce([padded[j::BLOCK] for j in range(BLOCK)])
+    blocks[:down, :across] = np.minimum.reduce([rows[:, i::BLOCK] for i in range(BLOCK)])
+    rows = np.minimum.reduce([blocks[j : j + down] for j in range(SPAN)])
+    least = np.minimum.reduce([rows[:, i : i + across] for i in range(SPAN)]) * SAFE
     return PictureWindows(np.append(least, np.float32(0)), across, down)
-
-
-def _least(arrays: Sequence[NDArray[np.float32]]) -> NDArray[np.float32]:
-    """Return the least of arrays of one shape, place by place."""
-    return functools.reduce(np.minimum, arrays)
 
 
 TASKS_A_WORKER = 16
@@ -122,7 +116,7 @@ class Coverage:
         self.size = size
         self.opacity = np.float32(opacity)
         self.room = room
-        self._rows: NDArray[np.floating[Any]] = np.zeros(size[1])
+        self.rows: NDArray[np.floating[Any]] = np.zeros(size[1])
         """Number of fragments in each row of the last frame, or about how many there will be in the first."""
         self.fragments = 0
         """Number of fragments in the last frame."""
@@ -173,8 +167,8 @@ class Coverage:
         closed.fill(0)
         windows = windows_of(edges, self.size)
         picture = Picture(drawn, extents, lines.stride, edges, windows, depth_slope, closed, scratch)
-        if not self.foresees:
-            self.foresee(self.estimate(drawn))
+        if not self.rows.any():
+            self.rows = self.estimate(drawn)
         pending = self._cuts(first, last)[::-1]
         while pending:
             top, bottom = pending.pop()
@@ -190,15 +184,6 @@ class Coverage:
                 lit = marks.copy()
             self.fragments += found
             yield layer
-
-    @property
-    def foresees(self) -> bool:
-        """Whether there are numbers of fragments of another frame, or estimated ones, for `layers`."""
-        return bool(self._rows.any())
-
-    def foresee(self, rows: NDArray[np.float64]) -> None:
-        """Store about how many fragments each row will have."""
-        self._rows = rows
 
     def estimate(self, lines: ScreenLines) -> NDArray[np.float64]:
         """Return about how many fragments each row of the picture will have: those of a segment in the row in which it
@@ -237,7 +222,7 @@ class Coverage:
 
     def _cuts(self, first: int, last: int) -> list[Rows]:
         """Divide rows into ranges for which there is room, by the last frame's fragments."""
-        share = np.cumsum(self._rows[first:last]) * LAYER_ROOM / self.room
+        share = np.cumsum(self.rows[first:last]) * LAYER_ROOM / self.room
         cuts = [first, *(np.flatnonzero(np.diff(share.astype(np.int64))) + first + 1).tolist(), last]
         return list(pairwise(cuts))
 
@@ -246,7 +231,7 @@ class Coverage:
         across = -(-self.size[0] // TILE_WIDTH)
         for i, count in enumerate(found.reshape(-1, across).sum(1)):
             here = slice(top + i * TILE_HEIGHT, min(top + (i + 1) * TILE_HEIGHT, bottom))
-            self._rows[here] = count / (here.stop - here.start)
+            self.rows[here] = count / (here.stop - here.start)
 
     def _layer(
         self, picture: Picture, top: int, bottom: int, workers: int, marks: NDArray[np.uint8]
