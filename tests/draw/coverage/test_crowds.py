@@ -175,8 +175,7 @@ def test_fragments_of_a_first_frame_are_foreseen_and_strands_beside_the_picture_
         screen = np.ascontiguousarray(np.concatenate(lines), np.float32)
         first, widths = np.cumsum([0, *map(len, lines)]), np.full(len(screen), 2, np.float32)
         coverage = Coverage((96, 80), 1.0)
-        coverage._estimate(ScreenLines(first, screen, widths))
-        rows.append(coverage._rows.copy())
+        rows.append(coverage.estimate(ScreenLines(first, screen, widths)))
     np.testing.assert_allclose(rows[1], rows[0], atol=1e-4)
     for _ in coverage.layers(Polylines(first, screen), screen, widths, None, 1, Scratch()):
         pass
