@@ -10,18 +10,18 @@ import click
 from ..common.counted import counted
 from ..common.registry import LAYOUTS
 from ..errors import UsageError
-from . import camera_files, complete, options
+from . import completion, options, render_options
 from .progress import Talk, warner
 from .values import span
 
 
 @click.command()
-@click.argument("grooms", nargs=-1, required=True, metavar="GROOM...", shell_complete=complete.presets)
+@click.argument("grooms", nargs=-1, required=True, metavar="GROOM...", shell_complete=completion.presets)
 @click.option("--layout", required=True, metavar="NAME", help=f"One of {', '.join(LAYOUTS.names())}.")
 @click.option("--views", type=options.Whole(1, 1_000_000), metavar="N", help="Views of each groom.  [default: 8]")
 @click.option("--first", type=options.Whole(0, 1_000_000), default=0, help="Number of the first view, to make parts.")
 @options.folder()
-@camera_files.cameras
+@render_options.cameras
 @click.option("--azimuth", type=span(360), default=(-180.0, 180.0), help="Degrees around, from the scene's camera.")
 @click.option("--elevation", type=span(90), default=(-10.0, 40.0), help="Degrees above the horizon, such as -10,40.")
 @click.option(
@@ -62,7 +62,7 @@ def command(
 
     View k depends on --seed and k alone. Whatever ends the run, finished views are complete, and --resume continues.
     """
-    camera_files.require_file(cameras, camera)
+    render_options.require_file(cameras, camera)
     from ..cameras.pinhole import UP
     from ..cameras.read import Views, views_of
     from ..dataset import run as sets
@@ -79,7 +79,7 @@ def command(
     for groom, name in zip(grooms, names_of(grooms), strict=True):
         given = {
             **scene_settings,
-            "overrides": (*camera_files.world(groom, found, cameras), *scene_settings["overrides"]),
+            "overrides": (*render_options.world(groom, found, cameras), *scene_settings["overrides"]),
         }
         scene = scene_for(options.load_scene(groom, size=size, **given), kind, size, frame)
         checked_plan(scene, [frame], check=memory_check)

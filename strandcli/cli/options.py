@@ -14,10 +14,9 @@ from ..common.counted import counted
 from ..common.limits import cores
 from ..errors import UsageError
 from ..meshes import SUFFIXES
-from . import complete
-from .process import set_debug
+from . import completion
 from .progress import Talk
-from .say import say
+from .say import debug, say
 from .values import FRAMES, SIZE, FrameRange
 
 if TYPE_CHECKING:
@@ -68,8 +67,8 @@ def folder(default: str | None = None) -> Callable[[F], F]:
     return click.option("-o", "--output", type=PathType(), metavar="DIR", required=not default, help=words)
 
 
-preset = click.argument("preset", shell_complete=complete.presets)
-drawn = click.argument("preset", metavar="PRESET|FILE", shell_complete=complete.presets)
+preset = click.argument("preset", shell_complete=completion.presets)
+drawn = click.argument("preset", metavar="PRESET|FILE", shell_complete=completion.presets)
 frames = click.option("-f", "--frames", type=FRAMES, metavar="RANGE", help="Frames: 1-48 or 1-100x5,120.")
 size = click.option("--size", type=SIZE, help="Width and height in pixels.")
 strands = click.option("--strands", type=COUNT_STRANDS, metavar="N", help="Number of strands.")
@@ -82,7 +81,7 @@ quality = click.option(
     help="How finely to draw.  [default: the preset's own quality]",
 )  # fmt: skip
 overrides = click.option(
-    "--set", "overrides", multiple=True, metavar="KEY=VALUE", callback=_assignment, shell_complete=complete.keys,
+    "--set", "overrides", multiple=True, metavar="KEY=VALUE", callback=_assignment, shell_complete=completion.keys,
     help="Change one value of the preset, such as wind.strength=3. Repeatable.",
 )  # fmt: skip
 objects = click.option(
@@ -110,9 +109,6 @@ from_cache = click.option(
 as_json = click.option("--json", "as_json", is_flag=True, help="Print machine data, and nothing else, on stdout.")
 quiet = click.option("-q", "--quiet", is_flag=True, help="Print errors only.")
 no_progress = click.option("--no-progress", is_flag=True, help="No progress line, even on a terminal.")
-debug = click.option(
-    "--debug", is_flag=True, expose_value=False, is_eager=True, callback=set_debug, hidden=True, help="Show tracebacks."
-)
 
 
 def together(*decorators: Callable[[Any], Any]) -> Callable[[F], F]:

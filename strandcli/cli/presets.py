@@ -7,7 +7,7 @@ from pathlib import Path
 import click
 
 from ..errors import UsageError
-from . import complete, options
+from . import completion, options
 from .say import print_json, say
 
 
@@ -52,7 +52,7 @@ def list_all(as_json: bool = False) -> None:
 
 
 @command.command("show")
-@click.argument("name", shell_complete=complete.shipped)
+@click.argument("name", shell_complete=completion.shipped)
 @options.debug
 def show(name: str) -> None:
     """Print the file of a shipped preset."""
@@ -62,7 +62,7 @@ def show(name: str) -> None:
 
 
 @command.command("copy")
-@click.argument("name", shell_complete=complete.shipped)
+@click.argument("name", shell_complete=completion.shipped)
 @click.argument("target", required=False, type=options.PathType())
 @options.overwrite
 @options.quiet

@@ -12,12 +12,20 @@ import click
 from ..common.counted import counted
 from ..errors import SimulationError, StrandError
 from ..files import inputs
-from . import animations, camera_files, options, process, render_frames
-from .animations import layer_options, with_layers
+from . import options, render_frames, render_options
 from .preview import Preview, preview_option
 from .progress import Progress, Talk, warner
-from .render_error import advised, max_error_option
-from .render_frames import Motion, frame_line, frame_writer, frames_of, interrupted, open_cache, tell
+from .render_frames import (
+    Motion,
+    advised,
+    frame_line,
+    frame_writer,
+    frames_of,
+    interrupted,
+    max_error_option,
+    open_cache,
+    tell,
+)  # fmt: skip
 from .sweep import run as run_sweep
 from .sweep import sweep_option
 from .values import FrameRange
@@ -38,9 +46,9 @@ if TYPE_CHECKING:
 @options.quality
 @options.threads
 @max_error_option
-@animations.options
-@layer_options
-@camera_files.cameras
+@render_options.animation_options
+@render_options.layer_options
+@render_options.cameras
 @options.from_cache
 @options.checkpoint
 @options.keep_going
@@ -92,13 +100,12 @@ def command(
         given = click.get_current_context().params
         run_watch(given) if watch else run_sweep(_draw, given)
         return
-    process.put_off()
     options.exclusive(max_error="motion" in (max_error or {}), from_cache=from_cache is not None)
     options.exclusive(checkpoint=checkpoint is not None, from_cache=from_cache is not None)
-    camera_files.require_file(cameras, camera)
+    render_options.require_file(cameras, camera)
     scene_settings["aovs"] = aovs
     if cameras is not None:
-        changes, notes = camera_files.film(preset, cameras, scene_settings["size"], camera)
+        changes, notes = render_options.film(preset, cameras, scene_settings["size"], camera)
         scene_settings["overrides"] = (*changes, *scene_settings["overrides"])
         for words in notes:
             talk.note(f"warning: {words}")
@@ -106,9 +113,9 @@ def command(
     picture_error = None
     if max_error is not None:
         scene, picture_error = advised(preset, max_error, scene_settings, threads, talk)
-    scene = with_layers(scene, exr)
+    scene = render_options.with_layers(scene, exr)
     render_frames.require_cluster(scene, dask)
-    ground = animations.ground(scene, animate or (), over)
+    ground = render_options.ground(scene, animate or (), over)
     numbers = options.frame_numbers(frames, scene, from_cache)
 
     from ..plan import checked_plan
@@ -128,7 +135,7 @@ def command(
     motion = Motion(positions, checkpoint, keep_going, dask)
     with page or nullcontext(), talk.progress(len(writer.wanted), label) as progress:
         data = _run(scene, writer, report, motion, threads, talk.quiet, progress, shown)
-    made = animations.animate(writer, data, animate or (), overwrite or resume, scene.time.fps, ground, talk)
+    made = render_options.animate(writer, data, animate or (), overwrite or resume, scene.time.fps, ground, talk)
     if page is not None:
         page.write(data, made)
     talk.data(data)
@@ -177,7 +184,6 @@ def _run(
                         writer.submit(frame.number, frame.image, frame.aovs)
                         shown.next(frame.image)
                     progress.checked_step(frame_line(frame.number, frame.report))
-                    process.resume()
             if stale := inputs.changed():
                 warn(stale)
         status = "complete"
@@ -191,7 +197,6 @@ def _run(
             progress.line(interrupted(writer))
         raise
     finally:
-        process.resume()
         compiled = runtime.compile_seconds() - before if started else None
         data = _report(report, writer, status, runtime.machine() if started else None, compiled)
     return data

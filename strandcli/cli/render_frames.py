@@ -1,5 +1,5 @@
 """Where the frames of `strandcli render` come from, simulated or of stored positions, drawn here or by the workers of a
-Dask cluster (``--dask``); what takes them; and what is said of them."""
+Dask cluster (``--dask``); what takes them; what is said of them; and settings from studies (``--max-error``)."""
 
 from __future__ import annotations
 
@@ -10,11 +10,11 @@ from typing import TYPE_CHECKING, Any, NamedTuple
 import click
 
 from ..common.counted import counted
-from ..common.limits import cores
 from ..errors import UsageError
-from . import complete, options, signals
-from .progress import duration, pace
+from . import completion, options, signals
+from .progress import Talk, duration, pace
 from .say import say
+from .values import Parsed, bounds
 
 if TYPE_CHECKING:
     from ..output import positions
@@ -44,8 +44,10 @@ def frames_of(
 ) -> Iterator[Frame]:  # fmt: skip
     """Frames as they are done."""
     if motion.dask is not None:
+        from ..dask_cluster.cluster import frames_of_cluster
+
         return frames_of_cluster(
-            scene, numbers, motion.dask, motion.positions, threads, progress.note, warn,
+            scene, numbers, motion.dask, motion.positions, threads, signals.check, progress.note, warn,
             keep_going=motion.keep_going, checkpoints=kept,
         )  # fmt: skip
     from ..run import pipeline
@@ -191,7 +193,7 @@ def _seconds(seconds: float) -> str:
 option = options.together(
     options.alone("dask", "max_error"),
     click.option(
-        "--dask", metavar="ADDRESS", shell_complete=complete.clusters,
+        "--dask", metavar="ADDRESS", shell_complete=completion.clusters,
         help="Let the workers of a Dask cluster draw: 'local', or a scheduler such as tcp://HOST:8786.",
     ),
 )  # fmt: skip
@@ -210,39 +212,62 @@ def require_cluster(scene: Scene, address: str | None) -> None:
     require_dask()
 
 
-def frames_of_cluster(
-    scene: Scene, numbers: tuple[int, ...], address: str, positions: Any, threads: int | None,
-    notify: Callable[[str], None], warn: Callable[[str], None], **settings: Any,
-) -> Iterator[Frame]:  # fmt: skip
-    """Frames as they are done. ``threads``: processes of `local`, or threads of each worker elsewhere; ``settings``: of
-    the simulation (see `pipeline.render`)."""
-    from ..dask_cluster import cluster
-    from ..dask_cluster.worker import Job
-    from ..run import pipeline
-    from ..run.fingerprint import fingerprint
-    from ..run.frame import Frame
-
-    local = address == cluster.LOCAL
-    workers = min(threads or cores(), len(numbers), _fitting(scene, numbers))
-    starting = f"starting {counted(workers, 'worker')}"
-    notify(starting if local else f"connecting to {address}")
-    job = Job(scene, fingerprint(scene), numbers, settings["keep_going"], 1 if local else threads)
-    needed = cluster.needed(scene, numbers)
-    moved: Iterator[Frame]
-    if positions is not None:
-        moved = (Frame(number, None, positions(number), {}) for number in needed)
-    else:
-        moved = pipeline.render(
-            scene, needed, threads=threads, draw=False, keep_positions=True, notify=notify, warn=warn, **settings
-        )
-    with cluster.connected(address, workers, warn) as client:
-        notify("")
-        yield from cluster.drawn(client, job, cluster.tasks_of(scene, numbers, moved), signals.check)
+max_error_option = click.option(
+    "--max-error", type=Parsed("ERRORS", bounds), metavar="ERRORS",
+    help="Errors to stay under: of motion 1% or motion=1%, of the picture picture=2%, to the eye flip=0.05; "
+    "several separated by commas.",
+)  # fmt: skip
 
 
-def _fitting(scene: Scene, numbers: tuple[int, ...]) -> int:
-    """Return how many processes that draw this machine's memory has room for, one at the least."""
-    from ..plan import SHARE, available_memory, make_plan
+def advised(
+    preset: str, bounds: Mapping[str, float], given: dict[str, Any], threads: int | None, talk: Talk
+) -> tuple[Scene, Mapping[str, Any] | None]:
+    """The scene with the settings that studies choose, and what the report says of its picture's error; None where that
+    is not asked for. What the user has set (``given``, as `options.load_scene` takes it) is left alone."""
+    scene = options.load_scene(preset, **given)
+    fixed = {text.partition("=")[0].strip() for text in given["overrides"]}
+    if given["particles"] is not None:
+        fixed.add("emitter.particles")
+    if "motion" in bounds:
+        given = {**given, "overrides": (*given["overrides"], *_motion(scene, preset, bounds, fixed, talk))}
+        scene = options.load_scene(preset, **given)
+    asked = {name: most for name, most in bounds.items() if name != "motion"}
+    if not asked:
+        return scene, None
+    if given["quality"] is not None or "quality" in fixed:
+        raise UsageError("--quality: --max-error chooses how finely a picture is drawn; leave one of the two out")
+    from ..compiling import runtime
+    from ..study.advice import METRICS, advise_picture
+    from ..study.axes import changed
 
-    free = available_memory()
-    return len(numbers) if free is None else max(1, int(SHARE * free) // make_plan(scene, numbers).memory_bytes - 1)
+    name = options.preset_name(preset)
+    wanted = {METRICS[one]: most for one, most in asked.items()}
+    with _progress(talk) as progress:
+        runtime.start(threads, progress.note)
+        advice = advise_picture(scene, name, wanted, sorted(fixed), progress.checked_step, progress.begin)
+    _report(name, asked, advice.text(), talk)
+    return changed(scene, advice.settings), advice.report
+
+
+def _motion(scene: Scene, preset: str, bounds: Mapping[str, float], fixed: set[str], talk: Talk) -> tuple[str, ...]:
+    """Settings of motion under an error, as after --set."""
+    from ..compiling import runtime
+    from ..study.advice import advise
+
+    with _progress(talk) as progress:
+        runtime.start(1, progress.note)  # as `strandcli study` does
+        name = options.preset_name(preset)
+        advice = advise(scene, name, bounds["motion"], sorted(fixed), progress.checked_step, progress.begin)
+    _report(name, {"": bounds["motion"]}, advice.text(), talk)
+    return tuple(f"{path}={value}" for path, value in advice.settings.items())
+
+
+def _progress(talk: Talk) -> Progress:
+    return talk.progress(1, "study", each="run", lines=True)
+
+
+def _report(name: str, asked: Mapping[str, float], text: str, talk: Talk) -> None:
+    from ..study.report import share
+
+    words = ", ".join(f"{one} {share(most)}".strip() for one, most in asked.items())
+    talk.note(f"{name}: under {words}: {text}")

@@ -1,8 +1,10 @@
-"""Print text of any origin: nothing from a preset or the name of a file reaches a terminal as a control."""
+"""Print text of any origin: nothing from a preset or the name of a file reaches a terminal as a control. And whether
+tracebacks are shown."""
 
 from __future__ import annotations
 
 import json
+from dataclasses import dataclass
 from typing import Any
 
 import click
@@ -32,3 +34,21 @@ def json_text(data: Any) -> str:
 def print_json(data: Any) -> None:
     """Machine data alone on stdout."""
     click.echo(json_text(data))
+
+
+@dataclass(slots=True)
+class State:
+    """What outlives the commands: whether the traceback of an unexpected error is wanted."""
+
+    debug: bool = False
+
+
+def set_debug(ctx: click.Context, param: click.Parameter, value: bool) -> None:
+    """Callback of every ``--debug``."""
+    if value:
+        ctx.ensure_object(State).debug = True
+
+
+debug = click.option(
+    "--debug", is_flag=True, expose_value=False, is_eager=True, callback=set_debug, hidden=True, help="Show tracebacks."
+)

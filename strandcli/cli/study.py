@@ -10,7 +10,7 @@ from typing import TYPE_CHECKING, Any
 import click
 
 from ..errors import MismatchError, UsageError
-from . import complete, options
+from . import completion, options
 from .progress import Talk
 from .values import ERROR, count, metres, several, step, word
 
@@ -27,7 +27,7 @@ max_error = click.option("--max-error", type=ERROR, metavar="ERROR", help="Error
 
 
 @click.command()
-@click.argument("preset", required=False, shell_complete=complete.presets)
+@click.argument("preset", required=False, shell_complete=completion.presets)
 @click.option("--reference", type=several("NAMES", word, "elastica,beam"), metavar="NAMES",
               help="Exact solutions in place of a preset: elastica, beam, swing, spring, incline, layer, tuft, "
               "or all.")  # fmt: skip

@@ -18,7 +18,7 @@ import click
 from ..common.counted import counted
 from ..errors import SimulationError, UsageError
 from ..scene.faults import Fault, SceneError
-from . import complete, options, signals
+from . import completion, options, signals
 from .say import print_json, say
 from .values import Parsed
 
@@ -283,6 +283,6 @@ def _safe(text: str) -> str:
 
 sweep_option = click.option(
     "--sweep", "sweep", multiple=True, type=Parsed("KEY=VALUES", axis_of), metavar="KEY=VALUES",
-    shell_complete=complete.keys,
+    shell_complete=completion.keys,
     help="Draw once for each value, as of wind.strength=1,2,4 or seed=1-8; if repeated, for all combinations.",
 )  # fmt: skip

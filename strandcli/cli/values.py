@@ -13,7 +13,7 @@ import click
 from click.shell_completion import CompletionItem
 
 from ..errors import UsageError
-from .complete import listed
+from .completion import listed
 
 MOST_PIXELS = 32_768
 """Along a side of a picture."""

@@ -15,9 +15,9 @@ from ..common.limits import cores
 from ..compiling import processor
 from ..compiling.clock import clock
 from ..compiling.folder import cache
-from . import complete, options, signals
-from .animations import layer_options, with_layers
+from . import completion, options, signals
 from .progress import Talk
+from .render_options import layer_options, with_layers
 
 if TYPE_CHECKING:
     from ..scene.model import Scene
@@ -31,7 +31,7 @@ WIDTHS = (8, 8, 9, 8, 10, 13, 11, 9)
 
 
 @click.command()
-@click.argument("presets", nargs=-1, metavar="[PRESET|FILE]... | all", shell_complete=complete.presets)
+@click.argument("presets", nargs=-1, metavar="[PRESET|FILE]... | all", shell_complete=completion.presets)
 @options.scene_options
 @options.quality
 @layer_options

@@ -12,8 +12,13 @@ from time import monotonic
 from typing import TYPE_CHECKING, Any
 from uuid import uuid4
 
+from ..common.counted import counted
 from ..common.extras import install
+from ..common.limits import cores
 from ..errors import RefusedError, StrandError, UsageError
+from ..plan import SHARE, available_memory, make_plan
+from ..run import pipeline
+from ..run.fingerprint import fingerprint
 from ..run.frame import Frame
 from . import worker
 from .worker import ALIKE, Job, Task, facts
@@ -66,6 +71,32 @@ def connected(address: str, workers: int, warn: Callable[[str], None]) -> Iterat
             ) from None
         _compare(client, address, warn)
         yield client
+
+
+def frames_of_cluster(
+    scene: Scene, numbers: tuple[int, ...], address: str, positions: Any, threads: int | None,
+    check: Callable[[], None], notify: Callable[[str], None], warn: Callable[[str], None], **settings: Any,
+) -> Iterator[Frame]:  # fmt: skip
+    """Frames as they are done. ``positions``: by frame number, or None where the scene is simulated here; ``threads``:
+    processes of `LOCAL`, or threads of each worker elsewhere; ``settings``: of the simulation, as `pipeline.render` has
+    them."""
+    local = address == LOCAL
+    free = available_memory()
+    fitting = len(numbers) if free is None else int(SHARE * free) // make_plan(scene, numbers).memory_bytes - 1
+    workers = min(threads or cores(), len(numbers), max(1, fitting))
+    notify(f"starting {counted(workers, 'worker')}" if local else f"connecting to {address}")
+    job = Job(scene, fingerprint(scene), numbers, settings["keep_going"], 1 if local else threads)
+    frames = needed(scene, numbers)
+    moved: Iterator[Frame]
+    if positions is not None:
+        moved = (Frame(number, None, positions(number), {}) for number in frames)
+    else:
+        moved = pipeline.render(
+            scene, frames, threads=threads, draw=False, keep_positions=True, notify=notify, warn=warn, **settings
+        )
+    with connected(address, workers, warn) as client:
+        notify("")
+        yield from drawn(client, job, tasks_of(scene, numbers, moved), check)
 
 
 def _local(workers: int, stack: ExitStack) -> Any:

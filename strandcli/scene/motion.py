@@ -13,7 +13,7 @@ import functools
 import math
 from bisect import bisect_right
 from collections.abc import Callable, Sequence
-from typing import Any, NamedTuple, Protocol, TypeVar
+from typing import Any, NamedTuple, TypeVar
 
 from .fields import Vector
 from .model import Camera, CameraKey, Emitter, PoseKey, Scene, Solid
@@ -43,14 +43,7 @@ _latest = None, 0.0, Pose(((1.0, 0.0, 0.0), (0.0, 1.0, 0.0), (0.0, 0.0, 1.0)), (
 """Emitter, time and pose that `emitter_pose` has returned last."""
 
 
-class _Key(Protocol):
-    @property
-    def time(self) -> float: ...
-    @property
-    def ease(self) -> str: ...
-
-
-Key = TypeVar("Key", bound=_Key)
+Key = TypeVar("Key", PoseKey, CameraKey)
 
 
 def deforming_ground(scene: Scene) -> Any:
@@ -184,14 +177,7 @@ def sine_cosine(degrees: float) -> tuple[float, float]:
         sine = 1.0 - square * sine / odd
         cosine = 1.0 - square * cosine / even
     sine *= x
-    turn = quarter % 4
-    if turn == 0:
-        return sine, cosine
-    if turn == 1:
-        return cosine, -sine
-    if turn == 2:
-        return -sine, -cosine
-    return -cosine, sine
+    return ((sine, cosine), (cosine, -sine), (-sine, -cosine), (-cosine, sine))[quarter % 4]
 
 
 def _pose(position: Vector, rotation: Vector, keys: Sequence[PoseKey], time: float) -> Pose:
@@ -206,33 +192,20 @@ def _pose(position: Vector, rotation: Vector, keys: Sequence[PoseKey], time: flo
 
 
 def _between(keys: Sequence[Key], time: float) -> tuple[Key, Key, float]:
-    """The keys on both sides of ``time`` and the eased share of the way between them; held outside of all keys."""
+    """The keys on both sides of ``time`` and the eased share of the way between them; clamped outside of all keys."""
     if time <= keys[0].time:
         return keys[0], keys[0], 0.0
-    place = bisect_right(keys, time, key=_time_of)
+    place = bisect_right(keys, time, key=lambda key: key.time)
     if place == len(keys):
         return keys[-1], keys[-1], 0.0
     before, after = keys[place - 1], keys[place]
     return before, after, EASES[before.ease]((time - before.time) / (after.time - before.time))
 
 
-def _time_of(key: _Key) -> float:
-    return key.time
-
-
-def _smooth(share: float) -> float:
-    return share * share * (3.0 - 2.0 * share)
-
-
-def _linear(share: float) -> float:
-    return share
-
-
-def _step(share: float) -> float:
-    return 0.0
-
-
-EASES: dict[str, Callable[[float], float]] = {"smooth": _smooth, "linear": _linear, "step": _step}
+EASES: dict[str, Callable[[float], float]] = {
+    "smooth": lambda share: share * share * (3.0 - 2.0 * share), "linear": lambda share: share,
+    "step": lambda share: 0.0,
+}  # fmt: skip
 
 
 def _mix(a: float, b: float, share: float) -> float:

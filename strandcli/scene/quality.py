@@ -1,29 +1,11 @@
 """What `quality: draft | default | best` and `look: source` stand for, for presets, options and `bench`.
 
-All three are near the front that `strandcli study PRESET --axis quality` finds over samples, tolerance and level of
-detail: windows of the first frame with all of its strands, 800×600, processor seconds of the whole drawing on one
-thread of a 2.45 GHz server, against 16×16 samples a pixel, curves within 1/20 of a sample and opacity maps of 29
-layers; time, and root mean square error as a share of the mean light where strands are.
-
-| quality | `hair` | `ponytail` | `fur` | `grass` |
-|---|---|---|---|---|
-| draft | 0.8 s, 37 % | 1.0 s, 26 % | 0.8 s, 18 % | 2.2 s, 16 % |
-| default | 1.6 s, 11.2 % | 3.0 s, 9.0 % | 1.4 s, 6.7 % | 3.0 s, 8.7 % |
-| best | 4.5 s, 6.8 % | 4.2 s, 5.4 % | 3.1 s, 3.9 % | 4.5 s, 4.0 % |
-
-2×2 samples stand between the last two: 8.8 %, 6.9 %, 5.1 % and 5.3 %. Fewer than 16 pieces a segment keep no tolerance
-where blades are near: with 4, `grass` is 12.7 % off in the same time.
-
-All sort and have opacity maps. The first 2,000 strands of `hair` alone, in a small picture (`--axis end-to-end`): a
-z-buffer draws strands as thin as these far too wide, 111 %, and 33 % with 6×6 samples, in more time than best. Min/max
-maps save nothing that shows, and leave 24 % in `hair` and 55 % in `portrait` however fine all else is.
+All three are near the front of error over time that `strandcli study PRESET --axis quality` finds over samples,
+tolerance and level of detail (docs/accuracy.md). Fewer than 16 pieces a segment keep no tolerance where blades are
+near; a z-buffer draws thin strands far too wide, and min/max maps save nothing that shows.
 
 `draft` is for looking at motion, light and colour. It never costs more than the preset does by itself under these
-resolver and shadow models: half of the children, half again as wide; strands thinner than .75 of a sample thinned out
-and widened; smaller opacity maps of fewer layers; coarser occlusion; fewer pictures a frame for lens and shutter.
-
-Lines of no width become thinner with more samples and are never thinned out; give strands a `material.width`, as the
-study does.
+resolver and shadow models. Lines of no width become thinner with more samples and are never thinned out.
 """
 
 from __future__ import annotations
@@ -37,43 +19,33 @@ from .fields import value_at, with_value
 from .model import Scene
 
 
-class AtMost(NamedTuple):
+class Relative(NamedTuple):
+    """A number that follows from the preset's own, and in words; of none where the preset has none."""
+
+    words: str
+    of: Callable[[Any], Any]
+
+    def __str__(self) -> str:
+        return self.words
+
+
+def at_most(limit: float) -> Relative:
     """The preset's own number, or this where it is greater or absent."""
-
-    limit: float
-
-    def of(self, own: float | None) -> float | None:
-        return self.limit if own is None else min(own, self.limit)
-
-    def __str__(self) -> str:
-        return f"at most {self.limit:,g}"
+    return Relative(f"at most {limit:,g}", lambda own: limit if own is None else min(own, limit))
 
 
-class AtLeast(NamedTuple):
+def at_least(limit: float) -> Relative:
     """The preset's own number, or this where it is less or absent."""
-
-    limit: float
-
-    def of(self, own: float | None) -> float | None:
-        return self.limit if own is None else max(own, self.limit)
-
-    def __str__(self) -> str:
-        return f"at least {self.limit:,g}"
+    return Relative(f"at least {limit:,g}", lambda own: limit if own is None else max(own, limit))
 
 
-class Scaled(NamedTuple):
-    """The preset's own number times this, rounded up where it has to be whole; None where it has none."""
+def times(factor: float) -> Relative:
+    """The preset's own number times this, rounded up where it is whole; None where it has none."""
 
-    factor: float
-    whole: bool = False
+    def of(own: Any) -> Any:
+        return None if own is None else math.ceil(own * factor) if isinstance(own, int) else own * factor
 
-    def of(self, own: float | None) -> float | None:
-        if own is None:
-            return None
-        return math.ceil(own * self.factor) if self.whole else own * self.factor
-
-    def __str__(self) -> str:
-        return f"{self.factor:g} times its own"
+    return Relative(f"{factor:g} times its own", of)
 
 
 Own = Callable[[str], Any]
@@ -89,18 +61,18 @@ FINE: Mapping[str, Any] = {"image.resolver": "sorted", f"{SHADOWED}.model": "opa
 QUALITIES: Mapping[str, Mapping[str, Any]] = {
     "draft": {
         **FINE,
-        f"{SHADOWED}.size": AtMost(512),
-        f"{SHADOWED}.layers": AtMost(15),
+        f"{SHADOWED}.size": at_most(512),
+        f"{SHADOWED}.layers": at_most(15),
         "image.supersample": 1,
-        "camera.samples": AtMost(4),
-        "curves.level": AtMost(2),
-        "curves.tolerance": AtLeast(1.0),
-        "children.count": Scaled(0.5, whole=True),
-        "material.width": Scaled(1.5),
-        "ambient_occlusion.cells": AtMost(10_000),
-        "ambient_occlusion.directions": AtMost(16),
-        "detail.near": Scaled(0.5),
-        "detail.pixels": AtLeast(0.75),
+        "camera.samples": at_most(4),
+        "curves.level": at_most(2),
+        "curves.tolerance": at_least(1.0),
+        "children.count": times(0.5),
+        "material.width": times(1.5),
+        "ambient_occlusion.cells": at_most(10_000),
+        "ambient_occlusion.directions": at_most(16),
+        "detail.near": times(0.5),
+        "detail.pixels": at_least(0.75),
     },
     "default": {**FINE, "curves.level": 4, "curves.tolerance": 0.25, "image.supersample": 1},
     "best": {**FINE, "curves.level": 4, "curves.tolerance": 0.25, "image.supersample": 3},
@@ -125,7 +97,7 @@ def expanded(name: str, lights: Sequence[int], own: Own) -> Iterator[tuple[str, 
     for general, value in QUALITIES.get(name, {}).items():
         places = [general.replace("*", str(i), 1) for i in lights] if general.startswith(SHADOWED) else [general]
         for path in places:
-            wanted = value.of(own(path)) if isinstance(value, AtMost | AtLeast | Scaled) else value
+            wanted = value.of(own(path)) if isinstance(value, Relative) else value
             absent = path.partition(".")[0] in OPTIONAL and own(path) is None
             widened = path != "material.width" or (own("children.count") or 1) > 1
             if wanted is not None and not absent and widened:
@@ -183,13 +155,9 @@ def settle(scene: Scene, written: Container[str]) -> tuple[Scene, list[tuple[str
             if found in values:
                 continue
             if name in written:
-                clashes.append(
-                    (
-                        name,
-                        f"{shown(_written(found))} clashes with look: {scene.look}, which draws with "
-                        f"{' or '.join(map(_written, values))}; take one of the two out",
-                    )
-                )
+                wanted = " or ".join(map(_written, values))
+                draws = f"clashes with look: {scene.look}, which draws with {wanted}; take one of the two out"
+                clashes.append((name, f"{shown(_written(found))} {draws}"))
             else:
                 scene = with_value(scene, name, values[0])
     return scene, clashes

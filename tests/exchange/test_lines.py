@@ -10,7 +10,7 @@ import pytest
 import exchange_kit as kit
 import mesh_kit
 from cli_runs import Runner
-from strandcli.cli.complete import files
+from strandcli.cli.completion import files
 from strandcli.errors import UsageError
 from strandcli.exchange import bounded
 from strandcli.exchange.files import drivers, read, write
