@@ -6,12 +6,13 @@ import csv
 import hashlib
 import io
 import itertools
+import math
 import re
 from collections import Counter
 from collections.abc import Callable, Mapping, Sequence
-from dataclasses import dataclass, replace
+from dataclasses import replace
 from pathlib import Path
-from typing import Any
+from typing import Any, NamedTuple
 
 import click
 
@@ -20,7 +21,7 @@ from ..errors import SimulationError, UsageError
 from ..scene.faults import Fault, SceneError
 from . import completion, options, signals
 from .say import print_json, say
-from .values import Parsed
+from .values import Parsed, stepped
 
 TABLE, SHEET = "sweep.csv", "sweep.png"
 COLUMNS, WIDTH, MOST_CELLS = 4, 320, 400
@@ -32,6 +33,8 @@ def run(draw: Callable[..., None], given: Mapping[str, Any]) -> None:
 
     A point that goes wrong is told in the table, and the others go on; then the whole ends as that one did.
     """
+    from ..output.files import prepare_folder, write_pieces
+
     settings = dict(given)
     try:
         wanted = points(settings.pop("sweep"))
@@ -54,7 +57,8 @@ def run(draw: Callable[..., None], given: Mapping[str, Any]) -> None:
             if not settings["quiet"]:
                 say(f"{point.name}: {error}", err=True)
         entries.append(_entry(point, folder))
-        _write_table(folder / TABLE, entries)
+        prepare_folder(folder, 0)
+        write_pieces(folder / TABLE, [to_csv(entries).encode("utf-8", "backslashreplace")])
         signals.check()
     made = _finish(folder, settings, entries)
     if settings["as_json"]:
@@ -109,13 +113,6 @@ def _entry(point: Point, folder: Path) -> dict[str, Any]:
     }  # fmt: skip
 
 
-def _write_table(path: Path, entries: Sequence[Mapping[str, Any]]) -> None:
-    from ..output.files import prepare_folder, write_pieces
-
-    prepare_folder(path.parent, 0)
-    write_pieces(path, [to_csv(entries).encode("utf-8", "backslashreplace")])
-
-
 def to_csv(entries: Sequence[Mapping[str, Any]]) -> str:
     """A row a point: its folder, its settings, and what its report says."""
     head, rows = rows_of(entries)
@@ -167,16 +164,14 @@ LONGEST_VALUE, LONGEST_NAME = 24, 100
 RANGE = re.compile(r"(-?[0-9]{1,9})-([0-9]{1,9})(?:x([0-9]{1,9}))?")
 
 
-@dataclass(frozen=True, slots=True)
-class Axis:
+class Axis(NamedTuple):
     """A setting, by its dotted path, and the values that it takes, as `--set` has them."""
 
     key: str
     values: tuple[str, ...]
 
 
-@dataclass(frozen=True, slots=True)
-class Point:
+class Point(NamedTuple):
     """One combination: ``settings`` of each axis, KEY=VALUE, and the name of its folder."""
 
     name: str
@@ -231,45 +226,34 @@ def numbers(word: str) -> list[str]:
     match = RANGE.fullmatch(word)
     if match is None:
         return [word]
-    first, last, step = int(match[1]), int(match[2]), int(match[3] or 1)
-    if last < first:
-        raise ValueError(f"{word} runs backwards; write {last}-{first}")
-    if step < 1:
-        raise ValueError(f"{word}: the step after x is at least 1")
-    if (last - first) // step >= MOST_POINTS:
+    found = stepped(word, int(match[1]), int(match[2]), int(match[3] or 1))
+    if len(found) > MOST_POINTS:
         raise ValueError(f"{word}: more than {MOST_POINTS:,} values")
-    return [str(number) for number in range(first, last + 1, step)]
+    return [str(number) for number in found]
 
 
 def points(axes: Sequence[Axis]) -> list[Point]:
-    """All combinations, the last axis varying fastest. Raises ``ValueError`` for too many, or a setting given twice."""
+    """All combinations, the last axis varying fastest. Raises ``ValueError`` for too many, or a setting given twice.
+
+    Their folders' names say what is different and are taken by every file system, with a hash of the settings where
+    they do not say all.
+    """
     keys = [axis.key for axis in axes]
-    twice = [key for key, count in Counter(keys).items() if count > 1]
-    if twice:
+    if twice := [key for key in keys if keys.count(key) > 1]:
         raise ValueError(f"--sweep {twice[0]}=...: is given twice; write all its values after one")
-    count = 1
-    for axis in axes:
-        count *= len(axis.values)
+    count = math.prod(len(axis.values) for axis in axes)
     if count > MOST_POINTS:
         raise ValueError(f"--sweep: {count:,} combinations; at most {MOST_POINTS:,} are drawn in one go")
-    short = {key: key if [one.rpartition(".")[2] for one in keys].count(key.rpartition(".")[2]) > 1
-             else key.rpartition(".")[2] for key in keys}  # fmt: skip
+    lasts = [key.rpartition(".")[2] for key in keys]
+    short = [last if lasts.count(last) == 1 else key for key, last in zip(keys, lasts, strict=True)]
     found = []
     for values in itertools.product(*(axis.values for axis in axes)):
-        settings = tuple(zip(keys, values, strict=True))
-        found.append((_name(settings, short), settings))
-    names = Counter(name.casefold() for name, _ in found)
-    return [Point(_distinct(name, settings) if names[name.casefold()] > 1 else name, settings)
-            for name, settings in found]  # fmt: skip
-
-
-def _name(settings: tuple[tuple[str, str], ...], short: dict[str, str]) -> str:
-    """A name for a folder that every file system takes and that says what is different; with a hash of the settings
-    where it does not say all."""
-    plain = "-".join(f"{short[key]}_{value}" for key, value in settings)
-    parts = [f"{_safe(short[key])}_{_safe(value)[:LONGEST_VALUE]}" for key, value in settings]
-    name = "-".join(parts)[:LONGEST_NAME].strip(".-")
-    return name if name == plain else _distinct(name, settings)
+        plain = "-".join(f"{key}_{value}" for key, value in zip(short, values, strict=True))
+        parts = (f"{_safe(key)}_{_safe(value)[:LONGEST_VALUE]}" for key, value in zip(short, values, strict=True))
+        found.append((plain, "-".join(parts)[:LONGEST_NAME].strip(".-"), tuple(zip(keys, values, strict=True))))
+    taken = Counter(name.casefold() for _, name, _ in found)
+    return [Point(name if name == plain and taken[name.casefold()] == 1 else _distinct(name, settings), settings)
+            for plain, name, settings in found]  # fmt: skip
 
 
 def _distinct(name: str, settings: tuple[tuple[str, str], ...]) -> str:

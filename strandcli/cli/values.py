@@ -24,6 +24,7 @@ BOUNDS = ("motion", "picture", "flip")
 is meant where none is named."""
 
 _PART = re.compile(r"([0-9]{1,18})(?:-([0-9]{1,18})(?:x([0-9]{1,18}))?)?")
+_DECIMAL = r"[0-9]*\.?[0-9]+(?:[eE][-+]?[0-9]{1,3})?"
 MOST_PARTS = 10_000
 
 
@@ -92,11 +93,14 @@ def _part(word: str) -> range:
     match = _PART.fullmatch(word)
     if match is None:
         raise ValueError(f"'{word}' is not a frame (12), a range (1-48) or a stepped range (1-100x5)")
-    first = int(match[1])
-    last = int(match[2]) if match[2] is not None else first
-    step = int(match[3]) if match[3] is not None else 1
+    first, last, step = int(match[1]), int(match[2] or match[1]), int(match[3] or 1)
     if first < 1:
         raise ValueError(f"'{word}': frames are counted from 1")
+    return stepped(word, first, last, step)
+
+
+def stepped(word: str, first: int, last: int, step: int) -> range:
+    """The numbers of a range, its ends among them. Raises ``ValueError``."""
     if last < first:
         raise ValueError(f"'{word}' runs backwards; write {last}-{first}")
     if step < 1:
@@ -106,11 +110,11 @@ def _part(word: str) -> range:
 
 def error_share(text: str) -> float:
     """An error as a share: ``1%`` or ``0.01``."""
-    match = re.fullmatch(r"\s*([0-9]*\.?[0-9]+(?:[eE][-+]?[0-9]{1,3})?)\s*(%?)\s*", text, re.ASCII)
+    match = re.fullmatch(rf"\s*({_DECIMAL})\s*(%?)\s*", text, re.ASCII)
     if match is None:
         raise ValueError(f"'{text}' is not an error, such as 1% or 0.01")
     share = float(match[1]) / (100 if match[2] else 1)
-    if not (math.isfinite(share) and 0 < share <= 1):
+    if not 0 < share <= 1:
         raise ValueError(f"'{text}': an error is more than 0 and at most 100%")
     return share
 
@@ -146,9 +150,7 @@ def kinds(text: str) -> tuple[str, ...]:
     found = tuple(dict.fromkeys(word.strip().lower().lstrip(".") for word in text.split(",")))
     for kind in found:
         if kind not in KINDS:
-            raise ValueError(
-                f"'{kind}' is not an animation that can be written; choose gif, webp, mp4, or several with commas"
-            )
+            raise ValueError(f"'{kind}' is not an animation that can be written; choose gif, webp, mp4, or several")
     return found
 
 
@@ -183,8 +185,8 @@ def quantity(what: str, low: float, high: float) -> Callable[[str], float]:
     """A reader of numbers and of fractions such as ``1/240`` in a range."""
 
     def read(word: str) -> float:
-        match = re.fullmatch(r"([0-9]*\.?[0-9]+(?:[eE][-+]?[0-9]{1,3})?)(?:/([0-9]*\.?[0-9]+))?", word, re.ASCII)
-        below = float(match[2]) if match and match[2] else 1.0
+        match = re.fullmatch(rf"({_DECIMAL})(?:/({_DECIMAL}))?", word, re.ASCII)
+        below = float(match[2] or 1) if match else 0.0
         found = float(match[1]) / below if match and below > 0 else math.nan
         if not low <= found <= high:
             raise ValueError(f"'{word}' is not {what}")

@@ -30,6 +30,11 @@ class Stage(NamedTuple):
     runs: bool = True
 
 
+def decided(stage: str, runs: object, why: str, why_not: str) -> Stage:
+    """A stage that is run, or left out."""
+    return Stage(stage, why if runs else why_not, bool(runs))
+
+
 def left_out(stage: str, why: str) -> Stage:
     """A stage that is not run."""
     return Stage(stage, why, runs=False)
@@ -37,7 +42,7 @@ def left_out(stage: str, why: str) -> Stage:
 
 def motion_decisions(scene: Scene, strands: int) -> Iterator[Stage]:
     """Yield the decisions on the stages of simulation; strands: number of simulated ones."""
-    emitter = scene.emitter
+    emitter, preroll = scene.emitter, scene.time.preroll
     if strands < emitter.strands:
         hidden = f"{emitter.strands - strands} of {emitter.strands}"
         yield left_out("strands", f"{hidden} are too far to be drawn in any frame")
@@ -46,21 +51,16 @@ def motion_decisions(scene: Scene, strands: int) -> Iterator[Stage]:
         why = idle(use, scene)
         if use.name in OWN_OF.get(scene.solver, ()):
             why = "rod lengths are exact and rods bend by their material"
-        yield Stage(f"rule {use.name}", why or "the preset lists it", runs=not why)
+        yield decided(f"rule {use.name}", not why, "the preset lists it", why)
     for name in registry():
         if name not in listed:
             yield left_out(f"rule {name}", "the preset does not list it")
     if "emitter_motion" not in listed and (len(emitter.keys) > 1 or deforming_ground(scene) is not None):
-        yield left_out(
-            "emitter keys" if emitter.keys else "deform under the roots",
-            "no rule emitter_motion carries the roots along",
-        )
-    if not _moving(scene):
-        return
-    if scene.time.preroll == 0:
-        yield left_out("pre-roll", "its time is zero")
-    else:
-        yield Stage("pre-roll", f"{scene.time.preroll:g} s, {counted(_preroll_steps(scene), 'step')} before frame 1")
+        carried = "emitter keys" if emitter.keys else "deform under the roots"
+        yield left_out(carried, "no rule emitter_motion carries the roots along")
+    if _moving(scene):
+        steps = f"{preroll:g} s, {counted(_preroll_steps(scene), 'step')} before frame 1"
+        yield decided("pre-roll", preroll, steps, "its time is zero")
 
 
 def solver_steps(scene: Scene, frames: Sequence[int]) -> int:
@@ -92,19 +92,18 @@ def drawing_decisions(scene: Scene, strands: int, frames: Sequence[int]) -> Iter
 
 
 def _groom(scene: Scene, strands: int) -> Iterator[Stage]:
-    if scene.emitter.followers is not None:
-        yield from _followers(scene.emitter.followers, strands, scene.emitter.particles)
-    elif scene.children is None:
-        yield left_out("children", "the strands that are simulated are drawn")
+    emitter = scene.emitter
+    if emitter.followers is not None:
+        yield from _followers(emitter.followers, strands, emitter.particles)
     else:
-        yield Stage("children", f"{counted(scene.drawn_strands, 'strand')} drawn about {strands:,}")
-    if isinstance(scene.emitter.shape, MeshShape) and scene.emitter.groom is None:
+        around = f"{counted(scene.drawn_strands, 'strand')} drawn about {strands:,}"
+        yield decided("children", scene.children, around, "the strands that are simulated are drawn")
+    if isinstance(emitter.shape, MeshShape) and emitter.groom is None:
         from ..groom.on_mesh import described
 
-        yield Stage("surface", described(scene.emitter.shape, scene.drawn_strands))
-    tied = scene.emitter.tie is not None
+        yield Stage("surface", described(emitter.shape, scene.drawn_strands))
     why = f"{TIED} points a strand from its root to the tie, which are not simulated"
-    yield Stage("combed parts", why if tied else "strands are not tied", runs=tied)
+    yield decided("combed parts", emitter.tie, why, "strands are not tied")
 
 
 def _followers(followers: Followers, guides: int, particles: int) -> Iterator[Stage]:
@@ -112,25 +111,22 @@ def _followers(followers: Followers, guides: int, particles: int) -> Iterator[St
     yield Stage("guides", f"{guides:,} of {followers.strands:,} strands, {particles} particles each, {off}")
     fewer = "all" if followers.kept == followers.strands else f"{followers.kept:,} that level of detail draws"
     yield Stage("followers", f"{fewer} of {followers.strands:,} strands follow up to 4 guides each")
-    if followers.points == followers.file_points:
-        yield left_out("fewer points", "all points of the file are drawn")
-    else:
-        why = f"{followers.points} of {followers.file_points} a strand are within {followers.tolerance_px:g} px of it"
-        yield Stage("fewer points", f"{why}, {followers.tolerance:.3g} m")
+    why = f"{followers.points} of {followers.file_points} a strand are within {followers.tolerance_px:g} px of it"
+    thinned = followers.points != followers.file_points
+    yield decided("fewer points", thinned, f"{why}, {followers.tolerance:.3g} m", "all points of the file are drawn")
 
 
 def _curves(scene: Scene) -> Iterator[Stage]:
     curves = scene.curves
-    pieces = 2**curves.level
+    pieces = counted(2**curves.level, "piece")
     if curves.mode in ("off", "thinned"):
         yield left_out("curves", "the preset draws straight segments")
     if curves.mode == "thinned":
         yield Stage("fewer points", f"those within {curves.tolerance:g} px of the segment between others are left out")
     elif curves.mode == "fixed":
-        yield Stage("curves", f"each segment becomes {counted(pieces, 'piece')}")
+        yield Stage("curves", f"each segment becomes {pieces}")
     else:
-        enough = f"within {curves.tolerance:g} px, with at most {counted(pieces, 'piece')} a segment"
-        yield Stage("curves", enough)
+        yield Stage("curves", f"within {curves.tolerance:g} px, with at most {pieces} a segment")
         if not needs_shadow_maps(scene):
             yield left_out("curves off the screen", "no shadow map needs them")
 
@@ -141,50 +137,42 @@ def _shadows(scene: Scene) -> Iterator[Stage]:
     if dark:
         yield left_out("lights", f"{dark} of {len(scene.lights)} are dark")
     maps = sum(casts_map(light, needs_counts(scene)) for light in lit)
-    none = "there is no light" if not lit else ""
-    if maps:
-        yield Stage("shadow maps", f"{maps} {'light casts' if maps == 1 else 'lights cast'} the strands' shadows")
-    else:
-        yield left_out("shadow maps", none or "no light asks for one")
+    none = "" if lit else "there is no light"
+    cast = f"{maps} {'light casts' if maps == 1 else 'lights cast'} the strands' shadows"
+    yield decided("shadow maps", maps, cast, none or "no light asks for one")
     for name in SHADOWS.names():
         lights = sum(light.shadow.model == name for light in lit)
         if (stage := SHADOWS[name].stage(lights)) is not None:
-            yield Stage(*stage) if lights else left_out(stage[0], none or "no light asks for them")
+            yield decided(stage[0], lights, stage[1], none or "no light asks for them")
 
 
 def _fibre(scene: Scene) -> Iterator[Stage]:
     material, lit = scene.material, shining(scene)
-    if material.specular > 0 and lit:
-        says = getattr(FIBRES[material.model], "plan", lambda material: "highlights are on")
-        yield Stage(f"{material.model} tables", says(material))
-    else:
-        yield left_out(f"{material.model} tables", "material.specular is zero" if lit else "there is no light")
-    if material.scatter != "dual":
-        yield left_out("dual scattering", "material.scatter is the diffuse term")
-    elif any(counts_strands(light) for light in lit):
-        yield Stage("dual scattering", "light goes from strand to strand under lights with opacity maps")
-    else:
-        yield left_out("dual scattering", "no light has an opacity map to count strands by")
+    says = getattr(FIBRES[material.model], "plan", lambda material: "highlights are on")
+    dark = "material.specular is zero" if lit else "there is no light"
+    shiny = material.specular > 0 and lit
+    yield decided(f"{material.model} tables", shiny, says(material) if shiny else "", dark)
+    dual = material.scatter == "dual"
+    why_not = "no light has an opacity map to count strands by" if dual else "material.scatter is the diffuse term"
+    between = "light goes from strand to strand under lights with opacity maps"
+    yield decided("dual scattering", dual and any(map(counts_strands, lit)), between, why_not)
 
 
 def _surround(scene: Scene) -> Iterator[Stage]:
     if scene.environment is not None:
         yield Stage("environment", "a picture lights strands and solids from all round")
     grid = scene.ambient_occlusion
-    if scene.occluded and grid is not None:
-        yield Stage("ambient occlusion", f"about {grid.cells:,} cells, light from {grid.directions} directions")
-    else:
-        none = "the preset has none" if grid is None else "there is no light from everywhere"
-        yield left_out("ambient occlusion", none)
+    cells = "" if grid is None else f"about {grid.cells:,} cells, light from {grid.directions} directions"
+    none = "the preset has none" if grid is None else "there is no light from everywhere"
+    yield decided("ambient occlusion", scene.occluded, cells, none)
 
 
 def _things(scene: Scene) -> Iterator[Stage]:
     material = scene.material
     varied = material.tip_colour is not None or material.colour_variation > 0 or material.grey > 0
-    yield Stage("colour variation", "strands differ" if varied else "all strands have one colour", runs=varied)
+    yield decided("colour variation", varied, "strands differ", "all strands have one colour")
     visible = sum(solid.visible for solid in scene.solids)
-    drawn = f"{visible} to draw, to hide strands and to cast shadows"
-    yield Stage("solids", drawn if visible else "there are none to see", runs=visible > 0)
+    yield decided("solids", visible, f"{visible} to draw, to hide strands and to cast shadows", "there are none to see")
     for place, solid in enumerate(scene.solids):
         if solid.kind == "mesh":
             from ..mesh_file.needs import described
@@ -199,39 +187,30 @@ def _detail(scene: Scene, frames: Sequence[int]) -> Iterator[Stage]:
     times = times_of(scene, frames)
     some = times[:: -(-len(times) // MOST_FRAMES) or 1] + times[-1:]
     least = min((share_bounds(scene, time)[0] for time in some), default=1.0)
-    if least < 1:
-        yield Stage("level of detail", f"down to {least:.3g} of the strands where they are farthest")
-    else:
-        blind = scene.detail.near is None and scene.material.width == 0
-        why = "lines have no width, and no near is given" if blind else "every frame is near"
-        yield left_out("level of detail", why)
+    blind = scene.detail.near is None and scene.material.width == 0
+    why_not = "lines have no width, and no near is given" if blind else "every frame is near"
+    far = f"down to {least:.3g} of the strands where they are farthest"
+    yield decided("level of detail", least < 1, far, why_not)
 
 
 def _coverage(scene: Scene) -> Iterator[Stage]:
-    sorts = scene.image.resolver != "zbuffer"
-    held = f"at most {FRAGMENTS:,} fragments at once, {FRAGMENTS * FRAGMENT_BYTES / 1e6:,.0f} MB"
-    all_strands = f"all strands of a pixel by depth; {held}"
-    yield Stage("coverage", all_strands if sorts else "each sample shows the nearest strand", runs=sorts)
-    if scene.material.width == 0:
-        yield left_out("body", "material.width is zero: lines are a pixel wide")
-    else:
-        yield Stage("body", "true widths" if sorts else "where a strand is wider than a pixel")
-    samples = scene.image.supersample
-    several = f"{samples} x {samples} samples a pixel"
-    yield Stage("supersampling", several if samples > 1 else "one sample a pixel", runs=samples > 1)
+    sorts, samples = scene.image.resolver != "zbuffer", scene.image.supersample
+    most = f"at most {FRAGMENTS:,} fragments at once, {FRAGMENTS * FRAGMENT_BYTES / 1e6:,.0f} MB"
+    yield decided("coverage", sorts, f"all strands of a pixel by depth; {most}", "each sample shows the nearest strand")
+    wide = "true widths" if sorts else "where a strand is wider than a pixel"
+    yield decided("body", scene.material.width != 0, wide, "material.width is zero: lines are a pixel wide")
+    yield decided("supersampling", samples > 1, f"{samples} x {samples} samples a pixel", "one sample a pixel")
     yield Stage("shading", "only vertices of segments that are seen")
 
 
 def _camera(scene: Scene) -> Iterator[Stage]:
-    camera = scene.camera
+    camera, layers = scene.camera, scene.image.aovs
     times = f"{counted(camera.samples, 'picture')} a frame"
-    sharp, still = camera.aperture == 0, camera.shutter == 0
-    yield Stage("depth of field", "the camera is a pinhole" if sharp else times, runs=not sharp)
-    yield Stage("motion blur", "the shutter is not open" if still else times, runs=not still)
-    why = "image.background is none, with or without horizon" if scene.image.has_alpha else "there is a background"
-    yield Stage("alpha", why, runs=scene.image.has_alpha)
-    layers = scene.image.aovs
-    yield Stage("layers", ", ".join(layers) or "image.aovs is empty", runs=bool(layers))
+    yield decided("depth of field", camera.aperture != 0, times, "the camera is a pinhole")
+    yield decided("motion blur", camera.shutter != 0, times, "the shutter is not open")
+    none = "image.background is none, with or without horizon"
+    yield decided("alpha", scene.image.has_alpha, none, "there is a background")
+    yield decided("layers", layers, ", ".join(layers), "image.aovs is empty")
 
 
 THIN = 0.7

@@ -26,9 +26,6 @@ def fps(text: str) -> float:
         ("1.e1", 10.0),
         (".5", 0.5),
         ("+.5", 0.5),
-        ("0x18", 24.0),
-        ("0o30", 24.0),
-        ("023.5", 23.5),
     ],
 )
 def test_numbers_that_are_numbers(written: str, number: float) -> None:
@@ -38,9 +35,7 @@ def test_numbers_that_are_numbers(written: str, number: float) -> None:
 @pytest.mark.parametrize(
     ("written", "says"),
     [
-        ("12:30", "base 60"),
-        ("1_000", "write 1000"),
-        ("010", "leading zero"),
+        *((text, "YAML readers disagree about") for text in ("12:30", "1_000", "010", "0x18", "0,5")),
         (".nan", "must be finite"),
         ("-.INF", "must be finite"),
         ("1e999", "too large"),
@@ -60,10 +55,6 @@ def test_numbers_that_are_none(written: str, says: str) -> None:
     assert "time.fps: must be a number" in line
     assert says in line
     assert len(line) < 300
-
-
-def test_a_comma_is_no_decimal_point() -> None:
-    assert "write 0.5 with a point" in complaint("material:\n  diffuse: 0,5\n")
 
 
 @pytest.mark.parametrize("written", ["10.5", ".nan", "true", "010"])

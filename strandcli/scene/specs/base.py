@@ -25,16 +25,10 @@ LARGEST = 1e9
 SMALLEST = 1e-9
 """Least positive number where zero is excluded; its square is still a normal number in single precision."""
 WORD: Json = {"type": ["string", "number", "boolean"]}
-_DECIMAL = re.compile(r"[-+]?[0-9]+")
-_FLOAT = re.compile(r"[-+]?(?:\.[0-9]+|[0-9]+(?:\.[0-9]*)?)(?:[eE][-+]?[0-9]+)?")
-_HEX = re.compile(r"0x[0-9a-fA-F]+")
-_OCTAL = re.compile(r"0o[0-7]+")
-_LEADING_ZERO = re.compile(r"[-+]?0+[0-9]+")
-_UNDERSCORES = re.compile(r"[-+]?[0-9][0-9_.]*_[0-9_.]*(?:[eE][-+]?[0-9]+)?|0[xo][0-9a-fA-F_]+")
-_BASE_60 = re.compile(r"[-+]?[0-9]+(?::[0-9]+)+(?:\.[0-9]*)?")
-_COMMA = re.compile(r"([-+]?[0-9]+),([0-9]+)")
+_NUMBER = re.compile(r"[-+]?(?:\.[0-9]+|(?:0|[1-9][0-9]*)(?:\.[0-9]*)?)(?:[eE][-+]?[0-9]+)?")
+_DISPUTED = re.compile(r"[-+]?[0-9][0-9a-fox_:,.]*", re.IGNORECASE)
+"""Looks like a number to some: octal, base 60, with a comma; YAML readers disagree."""
 _NOT_FINITE = re.compile(r"[-+]?\.?(?:inf|infinity|nan)", re.IGNORECASE)
-_LONGEST_INTEGER = 40
 _LONGEST_NUMBER = 400
 
 
@@ -45,39 +39,18 @@ class Refusal(ValueError):
 def as_number(scalar: Scalar) -> int | float:
     """A finite number. Raises Refusal."""
     text = scalar.text
-    if not scalar.plain:
-        if _FLOAT.fullmatch(text):
-            raise Refusal(f"not the text {shown(text)}; take the quotes away")
-        raise Refusal(f"not the text {shown(text)}")
-    if len(text) > _LONGEST_NUMBER:
-        raise Refusal(f"not {shown(text)}")
-    if _LEADING_ZERO.fullmatch(text) and text.strip("+-0"):
-        raise Refusal(f"not {shown(text)}: with a leading zero YAML readers disagree whether it is octal")
-    if _DECIMAL.fullmatch(text) and len(text) <= _LONGEST_INTEGER:
-        return int(text)
-    if _HEX.fullmatch(text) or _OCTAL.fullmatch(text):
-        if len(text) > _LONGEST_INTEGER:
-            raise Refusal(f"not {shown(text)}, which is too large for a number")
-        return int(text, 0)
-    if _FLOAT.fullmatch(text):
-        value = float(text)
-        if math.isinf(value):
+    short = len(text) <= _LONGEST_NUMBER
+    if scalar.plain and short and _NUMBER.fullmatch(text):
+        value = float(text) if {*text.lower()} & {".", "e"} else int(text)
+        if value in (math.inf, -math.inf):
             raise Refusal(f"not {shown(text)}, which is too large for a number")
         return value
-    raise Refusal(f"not {shown(text)}{_why_no_number(text)}")
-
-
-def _why_no_number(text: str) -> str:
-    """What is the matter with a text that looks like a number to some."""
-    if _NOT_FINITE.fullmatch(text):
-        return "; it must be finite"
-    if _BASE_60.fullmatch(text):
-        return ": some YAML readers take this for base 60; write one number"
-    if _UNDERSCORES.fullmatch(text):
-        return f"; write {text.replace('_', '')}"
-    if comma := _COMMA.fullmatch(text):
-        return f"; write {comma[1]}.{comma[2]} with a point"
-    return ""
+    if not scalar.plain:
+        raise Refusal(f"not the text {shown(text)}" + ("; take the quotes away" if _NUMBER.fullmatch(text) else ""))
+    why = "; it must be finite" if _NOT_FINITE.fullmatch(text) else ""
+    if short and _DISPUTED.fullmatch(text):
+        why = ", which YAML readers disagree about; write it as 1000 or 0.5"
+    raise Refusal(f"not {shown(text)}{why}")
 
 
 class Range(NamedTuple):
