@@ -44,18 +44,9 @@ AGREE = 0.8, 1.25
 @options.threads
 @options.talk("Say what is compiled, where stderr is no terminal too.")
 def command(
-    preset: str | None,
-    strands: int | None,
-    particles: int | None,
-    frames: int | None,
-    size: tuple[int, int],
-    solver: str | None,
-    overrides: tuple[str, ...],
-    growth: bool,
-    cpu: bool,
-    threads: int | None,
-    talk: Talk,
-) -> None:
+    preset: str | None, strands: int | None, particles: int | None, frames: int | None, size: tuple[int, int],
+    solver: str | None, overrides: tuple[str, ...], growth: bool, cpu: bool, threads: int | None, talk: Talk,
+) -> None:  # fmt: skip
     """Time every stage on the thesis's headline scene: six rules, smoothing, Marschner, shadow map.
 
     --set changes it: with image.resolver=sorted, material.model=chiang, material.width=0.0014 and
@@ -75,10 +66,8 @@ def command(
     given = {"emitter.strands": strands, "emitter.particles": particles, "solver": solver}
     changes = {path: value for path, value in given.items() if value is not None}
     frames = frames or (FRAMES if preset is None else FRAMES_OF_A_PRESET)
-    from ..compiling import runtime
-
-    with talk.progress(frames, "bench") as progress:
-        runtime.start(threads, progress.note)
+    with talk.compiled(frames, "bench", threads) as progress:
+        from ..compiling import runtime
         from ..study import bench
 
         if preset is not None:

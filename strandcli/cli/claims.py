@@ -30,15 +30,13 @@ HEADS = {"claim": "claim", "source": "source's figure", "ours": "ours"}
 @options.talk("Say what is compiled, where stderr is no terminal too.")
 def command(output: Path | None, repeats: int, threads: int | None, overwrite: bool, talk: Talk) -> None:
     """Measure what the thesis claims and print each claim, the source's figure and ours."""
-    from ..compiling import runtime
     from ..output.files import prepare_folder, write_pieces
 
     if output is not None:
         for name in FILES:
             options.refuse_existing(output / name, overwrite)
         prepare_folder(output, 0)
-    with talk.progress(1, "claims") as progress:
-        runtime.start(threads, progress.note)
+    with talk.compiled(1, "claims", threads) as progress:
         from ..study import claims
 
         data = claims.run(threads=threads, notify=progress.note, repeats=repeats)

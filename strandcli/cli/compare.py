@@ -28,15 +28,9 @@ from .say import say
 @click.option("--flip", "perceived", is_flag=True, help="Also measure ꟻLIP: how far they are apart to the eye, 0 to 1.")
 @options.brief
 def command(
-    first: Path,
-    second: Path,
-    output: Path | None,
-    threshold: int,
-    allow: float,
-    rmse: float | None,
-    perceived: bool,
+    first: Path, second: Path, output: Path | None, threshold: int, allow: float, rmse: float | None, perceived: bool,
     talk: Talk,
-) -> None:
+) -> None:  # fmt: skip
     """Compare the pixels of two images A and B, or of the frames in two folders; ends with exit code 3 if they differ
     by more than allowed."""
     from ..output.compare import compare_files, difference_image, write_image

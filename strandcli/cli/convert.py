@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+from collections.abc import Callable
 from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
@@ -38,12 +39,9 @@ class FiniteType(click.FloatRange):
 @click.argument("target", type=options.PathType(), metavar="OUT")
 @facts.reading
 @click.option(
-    "-f",
-    "--frames",
-    type=FRAMES,
-    metavar="RANGE",
+    "-f", "--frames", type=FRAMES, metavar="RANGE",
     help="Moments of a file of strands that move, the first is 1: 1-48 or 1-100x5.  [default: all]",
-)
+)  # fmt: skip
 @click.option("--fix", is_flag=True, help="Leave out strands that are not finite, have no length or repeat another.")
 @click.option("--reverse", is_flag=True, help="Turn all strands around: roots come first.")
 @click.option("--up", type=AXIS, help="The up axis of IN, to be turned to that of OUT.")
@@ -63,16 +61,9 @@ class FiniteType(click.FloatRange):
 @options.overwrite
 @options.brief
 def command(
-    source: Path,
-    target: Path,
-    stride: int | None,
-    array: str | None,
-    objects: tuple[str, ...],
-    frames: FrameRange | None,
-    overwrite: bool,
-    talk: Talk,
-    **edits: Any,
-) -> None:
+    source: Path, target: Path, stride: int | None, array: str | None, objects: tuple[str, ...],
+    frames: FrameRange | None, overwrite: bool, talk: Talk, **edits: Any,
+) -> None:  # fmt: skip
     """Write the strands of the file IN as the file OUT, in the format that its name ends in.
 
     Edits are made in the order in which they stand below; lengths are those of OUT.
@@ -126,37 +117,29 @@ def _edits(chosen: dict[str, Any]) -> list[Step]:
     from ..exchange import edits, resample
     from ..exchange.edits import Step
 
-    found: list[Step] = []
-    if chosen["fix"]:
-        found.append(Step(edits.fixed, chooses=True))
-    if chosen["reverse"]:
-        found.append(Step(edits.reversed_all, chooses=True))
-    if chosen["up"] is not None:
-        found.append(Step(lambda strands: edits.turned(strands, chosen["up"], chosen["to_up"])))
-    if chosen["scale"] is not None:
-        found.append(Step(lambda strands: edits.scaled(strands, chosen["scale"])))
     least, most = chosen["min_length"], chosen["max_length"]
-    if least is not None or most is not None:
-        bounds = (least or 0.0, float("inf") if most is None else most)
-        found.append(Step(lambda strands: resample.between(strands, *bounds), chooses=True))
-    if chosen["strands"] is not None:
-        found.append(Step(lambda strands: resample.some(strands, chosen["strands"], chosen["seed"]), chooses=True))
-    if chosen["resample"] is not None:
-        found.append(Step(lambda strands: resample.resampled(strands, chosen["resample"])))
-    if chosen["simplify"] is not None:
-        found.append(Step(lambda strands: resample.simplified(strands, chosen["simplify"]), chooses=True))
-    return found
+    bounds = None if least is None and most is None else (least or 0.0, float("inf") if most is None else most)
+    asked: list[tuple[Any, Callable[[Strands, Any], Any], bool]] = [
+        (chosen["fix"] or None, lambda strands, _: edits.fixed(strands), True),
+        (chosen["reverse"] or None, lambda strands, _: edits.reversed_all(strands), True),
+        (chosen["up"], lambda strands, up: edits.turned(strands, up, chosen["to_up"]), False),
+        (chosen["scale"], edits.scaled, False),
+        (bounds, lambda strands, ends: resample.between(strands, *ends), True),
+        (chosen["strands"], lambda strands, count: resample.some(strands, count, chosen["seed"]), True),
+        (chosen["resample"], resample.resampled, False),
+        (chosen["simplify"], resample.simplified, True),
+    ]
+    return [
+        Step(lambda strands, do=do, given=given: do(strands, given), chooses=chooses)  # type: ignore[misc]
+        for given, do, chooses in asked
+        if given is not None
+    ]
 
 
 def _report(
-    source: Path,
-    target: Path,
-    strands: tuple[int, Strands],
-    skipped: dict[str, int],
-    changes: list[Change],
-    lost: list[str],
-    talk: Talk,
-) -> None:
+    source: Path, target: Path, strands: tuple[int, Strands], skipped: dict[str, int], changes: list[Change],
+    lost: list[str], talk: Talk,
+) -> None:  # fmt: skip
     """Say what was done; ``strands``: how many were read, and what was written."""
     from ..exchange.splines import note_of
 

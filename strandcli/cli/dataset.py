@@ -38,25 +38,11 @@ from .values import span
 @options.resume_or_overwrite
 @options.talk_options
 def command(
-    grooms: tuple[str, ...],
-    layout: str,
-    views: int | None,
-    first: int,
-    output: Path,
-    cameras: Path | None,
-    camera: str | None,
-    azimuth: tuple[float, float],
-    elevation: tuple[float, float],
-    light: str | None,
-    colour: str | None,
-    frame: int,
-    threads: int | None,
-    memory_check: bool,
-    resume: bool,
-    overwrite: bool,
-    talk: Talk,
-    **scene_settings: Any,
-) -> None:
+    grooms: tuple[str, ...], layout: str, views: int | None, first: int, output: Path, cameras: Path | None,
+    camera: str | None, azimuth: tuple[float, float], elevation: tuple[float, float], light: str | None,
+    colour: str | None, frame: int, threads: int | None, memory_check: bool, resume: bool, overwrite: bool,
+    talk: Talk, **scene_settings: Any,
+) -> None:  # fmt: skip
     """Draw labelled views of each GROOM, which is a file of strands, a preset, or a shipped preset's name, into DIR, or
     with several grooms into a folder of each there.
 

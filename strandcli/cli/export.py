@@ -39,17 +39,9 @@ LEVELS = {str(2**level): level for level in range(9)}
 @options.overwrite
 @options.talk_options
 def command(
-    preset: str,
-    target: Path,
-    frames: FrameRange | None,
-    pieces: str | None,
-    threads: int | None,
-    from_cache: Path | None,
-    keep_going: bool,
-    overwrite: bool,
-    talk: Talk,
-    **scene_settings: Any,
-) -> None:
+    preset: str, target: Path, frames: FrameRange | None, pieces: str | None, threads: int | None,
+    from_cache: Path | None, keep_going: bool, overwrite: bool, talk: Talk, **scene_settings: Any,
+) -> None:  # fmt: skip
     """Write the strands that PRESET draws, children among them, as the file OUT, in the format that its name ends in.
 
     Points are in metres, y up, root to tip, in the order of emission; widths are those that are drawn. .abc and .usd
@@ -71,10 +63,7 @@ def command(
     checked_plan(scene, numbers)
     positions = open_cache(from_cache, numbers, scene, keep_going)
     lost: dict[str, None] = {}
-    with talk.progress(len(numbers), options.preset_name(preset)) as progress:
-        from ..compiling import runtime
-
-        runtime.start(threads, progress.note)
+    with talk.compiled(len(numbers), options.preset_name(preset), threads) as progress:
         from ..run.export import drawn_strands
 
         def stepped() -> Iterator[DrawnFrame]:

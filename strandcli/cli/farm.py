@@ -43,18 +43,9 @@ MOST_THREADS, USUAL_THREADS = 4096, 4
 @options.overwrite
 @options.brief
 def command(
-    preset: str,
-    target: str,
-    output: Path | None,
-    frames: FrameRange | None,
-    chunk: int | None,
-    threads: int | None,
-    animate: tuple[str, ...] | None,
-    keep_going: bool,
-    overwrite: bool,
-    talk: Talk,
-    **scene_settings: Any,
-) -> None:
+    preset: str, target: str, output: Path | None, frames: FrameRange | None, chunk: int | None, threads: int | None,
+    animate: tuple[str, ...] | None, keep_going: bool, overwrite: bool, talk: Talk, **scene_settings: Any,
+) -> None:  # fmt: skip
     """Write job files that draw PRESET with a scheduler: Slurm, GNU parallel, or one that takes Open Job Description.
 
     Kernels are compiled once, the scene is simulated once, chunks of frames are drawn side by side, and the results are

@@ -44,7 +44,6 @@ def check(
     directory: Path, names: tuple[str, ...], output: Path | None, xml: Path | None, threads: int | None, talk: Talk
 ) -> None:
     """Draw the images of DIR, or only those called NAME, and compare; a mismatch ends in exit code 3."""
-    from ..compiling import runtime
     from ..output.files import prepare_folder, write_pieces
     from ..study import golden
 
@@ -53,8 +52,7 @@ def check(
         prepare_folder(xml.parent, 0)
     output = output or Path(tempfile.gettempdir()) / "golden-diff"
     results, seconds = [], []
-    with talk.progress(len(entries), "golden check") as progress:
-        runtime.start(threads, progress.note)
+    with talk.compiled(len(entries), "golden check", threads) as progress:
         drawer = functools.partial(golden.draw, notify=progress.note, threads=threads)
         for entry in entries:
             began = time.perf_counter()
@@ -81,7 +79,6 @@ def check(
 @options.talk("Name the images that did not change, too.")
 def update(directory: Path, names: tuple[str, ...], threads: int | None, talk: Talk) -> None:
     """Make what is drawn now the golden images of DIR, or only those called NAME. Look at them before you commit."""
-    from ..compiling import runtime
     from ..output.files import prepare_folder
     from ..study import golden
 
@@ -89,8 +86,7 @@ def update(directory: Path, names: tuple[str, ...], threads: int | None, talk: T
     entries = golden.select(listed, names)
     prepare_folder(directory, 0)
     changes: dict[str, str] = {}
-    with talk.progress(len(entries), "golden update") as progress:
-        runtime.start(threads, progress.note)
+    with talk.compiled(len(entries), "golden update", threads) as progress:
         drawer = functools.partial(golden.draw, notify=progress.note, threads=threads)
         for entry in entries:
             change = golden.update(directory, entry, drawer)

@@ -32,15 +32,9 @@ if TYPE_CHECKING:
 @options.as_json
 @options.debug
 def command(
-    file: Path,
-    stride: int | None,
-    array: str | None,
-    objects: tuple[str, ...],
-    picture: Path | None,
-    on: Path | None,
-    overwrite: bool,
-    as_json: bool,
-) -> None:
+    file: Path, stride: int | None, array: str | None, objects: tuple[str, ...], picture: Path | None,
+    on: Path | None, overwrite: bool, as_json: bool,
+) -> None:  # fmt: skip
     """Describe a FILE of strands: counts, lengths, box, guesses of roots, up axis and unit; faults, with the
     option of 'convert' that mends each. Of a mesh (.obj, .ply, .stl, .glb or .gltf with faces): counts, box,
     area, volume, attributes, faults."""

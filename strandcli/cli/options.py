@@ -162,17 +162,10 @@ brief = together(as_json, quiet, debug, _with_talk)
 
 
 def load_scene(
-    preset: str,
-    *,
-    size: tuple[int, int] | None = None,
-    strands: int | None = None,
-    particles: int | None = None,
-    seed: int | None = None,
-    quality: str | None = None,
-    objects: tuple[str, ...] = (),
-    overrides: tuple[str, ...] = (),
-    aovs: Sequence[str] | None = None,
-) -> Scene:
+    preset: str, *, size: tuple[int, int] | None = None, strands: int | None = None, particles: int | None = None,
+    seed: int | None = None, quality: str | None = None, objects: tuple[str, ...] = (),
+    overrides: tuple[str, ...] = (), aovs: Sequence[str] | None = None,
+) -> Scene:  # fmt: skip
     """The preset with what the common options change. Says on stderr where a shipped name hides a file."""
     import strandcli
 

@@ -8,7 +8,8 @@ import shutil
 import sys
 import threading
 import time
-from collections.abc import Callable, Mapping
+from collections.abc import Callable, Iterator, Mapping
+from contextlib import contextmanager
 from types import TracebackType
 from typing import Any, NamedTuple, Self, TextIO
 
@@ -174,6 +175,17 @@ class Talk(NamedTuple):
         """A progress line; see `Progress`."""
         hidden = self.no_progress or self.quiet
         return Progress(total, label, hidden=hidden, verbose=self.verbose, each=each, lines=lines)
+
+    @contextmanager
+    def compiled(
+        self, total: int, label: str, threads: int | None, *, each: str = "frame", lines: bool = False
+    ) -> Iterator[Progress]:
+        """A progress line of what runs kernels on so many threads; it tells of those that are compiled."""
+        from ..compiling import runtime
+
+        with self.progress(total, label, each=each, lines=lines) as progress:
+            runtime.start(threads, progress.note)
+            yield progress
 
     def data(self, data: Any) -> None:
         """Print machine data, alone on stdout, if it is asked for."""

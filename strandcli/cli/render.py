@@ -62,31 +62,13 @@ if TYPE_CHECKING:
 @options.talk_options
 @inputs.recording()
 def command(
-    preset: str,
-    output: Path | None,
-    frames: FrameRange | None,
-    threads: int | None,
-    max_error: dict[str, float] | None,
-    animate: tuple[str, ...] | None,
-    over: tuple[int, int, int] | None,
-    aovs: tuple[str, ...] | None,
-    exr: bool,
-    cameras: Path | None,
-    camera: str | None,
-    from_cache: Path | None,
-    checkpoint: int | None,
-    keep_going: bool,
-    memory_check: bool,
-    no_html: bool,
-    dask: str | None,
-    sweep: tuple[Any, ...],
-    watch: bool,
-    preview: str | None,
-    resume: bool,
-    overwrite: bool,
-    talk: Talk,
+    preset: str, output: Path | None, frames: FrameRange | None, threads: int | None,
+    max_error: dict[str, float] | None, animate: tuple[str, ...] | None, over: tuple[int, int, int] | None,
+    aovs: tuple[str, ...] | None, exr: bool, cameras: Path | None, camera: str | None, from_cache: Path | None,
+    checkpoint: int | None, keep_going: bool, memory_check: bool, no_html: bool, dask: str | None,
+    sweep: tuple[Any, ...], watch: bool, preview: str | None, resume: bool, overwrite: bool, talk: Talk,
     **scene_settings: Any,
-) -> None:
+) -> None:  # fmt: skip
     """Simulate and draw PRESET, which is a file or a shipped name ('strandcli presets' lists them), or draw a FILE of
     strands as it is.
 
@@ -149,15 +131,9 @@ def _draw(**given: Any) -> None:
 
 
 def _run(
-    scene: Scene,
-    writer: FrameWriter,
-    report: RunReport,
-    motion: Motion,
-    threads: int | None,
-    quiet: bool,
-    progress: Progress,
-    shown: Preview,
-) -> dict[str, Any]:
+    scene: Scene, writer: FrameWriter, report: RunReport, motion: Motion, threads: int | None, quiet: bool,
+    progress: Progress, shown: Preview,
+) -> dict[str, Any]:  # fmt: skip
     """Draw what is wanted, and write the report however that ends."""
     from ..compiling import runtime
     from ..compiling.service import service

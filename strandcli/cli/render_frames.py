@@ -236,14 +236,12 @@ def advised(
         return scene, None
     if given["quality"] is not None or "quality" in fixed:
         raise UsageError("--quality: --max-error chooses how finely a picture is drawn; leave one of the two out")
-    from ..compiling import runtime
     from ..study.advice import METRICS, advise_picture
     from ..study.axes import changed
 
     name = options.preset_name(preset)
     wanted = {METRICS[one]: most for one, most in asked.items()}
-    with _progress(talk) as progress:
-        runtime.start(threads, progress.note)
+    with talk.compiled(1, "study", threads, each="run", lines=True) as progress:
         advice = advise_picture(scene, name, wanted, sorted(fixed), progress.checked_step, progress.begin)
     _report(name, asked, advice.text(), talk)
     return changed(scene, advice.settings), advice.report
@@ -251,19 +249,13 @@ def advised(
 
 def _motion(scene: Scene, preset: str, bounds: Mapping[str, float], fixed: set[str], talk: Talk) -> tuple[str, ...]:
     """Settings of motion under an error, as after --set."""
-    from ..compiling import runtime
     from ..study.advice import advise
 
-    with _progress(talk) as progress:
-        runtime.start(1, progress.note)  # as `strandcli study` does
-        name = options.preset_name(preset)
+    name = options.preset_name(preset)
+    with talk.compiled(1, "study", 1, each="run", lines=True) as progress:  # on a thread, as `strandcli study` does
         advice = advise(scene, name, bounds["motion"], sorted(fixed), progress.checked_step, progress.begin)
     _report(name, {"": bounds["motion"]}, advice.text(), talk)
     return tuple(f"{path}={value}" for path, value in advice.settings.items())
-
-
-def _progress(talk: Talk) -> Progress:
-    return talk.progress(1, "study", each="run", lines=True)
 
 
 def _report(name: str, asked: Mapping[str, float], text: str, talk: Talk) -> None:

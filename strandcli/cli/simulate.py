@@ -29,18 +29,9 @@ from .values import FrameRange
 @options.talk_options
 @inputs.recording()
 def command(
-    preset: str,
-    output: Path,
-    frames: FrameRange | None,
-    threads: int | None,
-    checkpoint: int | None,
-    keep_going: bool,
-    memory_check: bool,
-    resume: bool,
-    overwrite: bool,
-    talk: Talk,
-    **scene_settings: Any,
-) -> None:
+    preset: str, output: Path, frames: FrameRange | None, threads: int | None, checkpoint: int | None,
+    keep_going: bool, memory_check: bool, resume: bool, overwrite: bool, talk: Talk, **scene_settings: Any,
+) -> None:  # fmt: skip
     """Simulate PRESET and write the positions only, as positions_0001.npz … and manifest.json.
 
     'strandcli render --from-cache DIR' draws them.

@@ -30,14 +30,9 @@ MOST_TOLD = 20
 @options.threads
 @options.talk("Name each case as it fails, and what is compiled.")
 def command(
-    solver: str | None,
-    case: str | None,
-    pattern: str | None,
-    listing: bool,
-    quick: bool,
-    threads: int | None,
+    solver: str | None, case: str | None, pattern: str | None, listing: bool, quick: bool, threads: int | None,
     talk: Talk,
-) -> None:
+) -> None:  # fmt: skip
     """Run the solvers through every extreme of step, stiffness, weight, wind, motion, contact and start.
 
     Exit code 3 where a case fails that was not expected to; --case NAME runs one case again.

@@ -59,16 +59,9 @@ max_error = click.option("--max-error", type=ERROR, metavar="ERROR", help="Error
 @options.overwrite
 @options.talk("Print a line a run on a terminal too, and what is compiled.")
 def command(
-    preset: str | None,
-    reference: tuple[str, ...] | None,
-    axis: str | None,
-    max_error: float | None,
-    output: Path | None,
-    threads: int,
-    overwrite: bool,
-    talk: Talk,
-    **wishes: Any,
-) -> None:
+    preset: str | None, reference: tuple[str, ...] | None, axis: str | None, max_error: float | None,
+    output: Path | None, threads: int, overwrite: bool, talk: Talk, **wishes: Any,
+) -> None:  # fmt: skip
     """Measure error against run time: of motion over solvers, steps, iterations, particles and cells; of pictures over
     the settings of one stage of drawing, or of all.
 
@@ -86,7 +79,6 @@ def command(
         for kind in KINDS:
             options.refuse_existing(folder / f"{file_name(request.name, axis)}.{kind}", overwrite)
 
-    from ..compiling import runtime
     from ..output.files import require_folder
     from ..output.report import finite
     from ..study import report, sweep
@@ -94,8 +86,7 @@ def command(
     require_folder(folder, ROOM)
     chosen = find("reference" if preset is None else "motion" if axis is None else axis)
     studies = []
-    with talk.progress(1, "study", each="run", lines=True) as progress:
-        runtime.start(threads, progress.note)
+    with talk.compiled(1, "study", threads, each="run", lines=True) as progress:
         for request in requests:
             progress.label = f"study {request.name}"
             study = sweep.run(chosen, request, max_error, progress.checked_step, progress.begin)

@@ -45,15 +45,9 @@ WIDTHS = (8, 8, 9, 8, 10, 13, 11, 9)
 @options.threads
 @options.talk("Name each preset that is done, and what is compiled.")
 def command(
-    presets: tuple[str, ...],
-    exr: bool,
-    pack: Path | None,
-    cpu: str | None,
-    profile: bool,
-    threads: int | None,
-    talk: Talk,
-    **scene_settings: Any,
-) -> None:
+    presets: tuple[str, ...], exr: bool, pack: Path | None, cpu: str | None, profile: bool, threads: int | None,
+    talk: Talk, **scene_settings: Any,
+) -> None:  # fmt: skip
     """Compile the kernels of PRESET, or of all shipped presets, so that the next run starts at once.
 
     Give the options that the run will have: they decide which kernels it needs. Two frames of each preset are drawn,
@@ -77,8 +71,7 @@ def command(
     if pack is not None:
         cache.use(cache.path)  # all of it has to be in one folder, for one processor
         cache.arrays = False  # what computes them belongs to a pack
-    with profiled() if profile else nullcontext() as measured, talk.progress(len(names), "warmup") as progress:
-        runtime.start(threads, progress.note)
+    with profiled() if profile else nullcontext() as measured, talk.compiled(len(names), "warmup", threads) as progress:
         for scene in scenes:
             clock.expect(scene.source)
         for name, scene in zip(names, scenes, strict=True):

@@ -15,23 +15,8 @@ from cli_runs import TINY, Runner
 from strandcli.output import png
 from strandcli.output.png import GREY, over
 from strandcli.run import pipeline
-from strandcli.scene.dump import dump
 
 NONE = ("--set", "image.background=none")
-
-
-def test_none_is_a_word_and_survives_a_dump(run: Runner) -> None:
-    Path("none.yaml").write_text(TINY.replace("image: {", "image: {background: none, "))
-    scene = strandcli.load("none.yaml")
-    assert scene.image.has_alpha
-    assert strandcli.load("tiny.yaml", overrides=["image.background=none"]) == scene
-    Path("again.yaml").write_text(dump(scene))
-    assert strandcli.load("again.yaml") == scene
-    assert not strandcli.load("none.yaml", overrides=["image.background=null"]).image.has_alpha
-    wrong = run("render", "tiny.yaml", "--set", "image.background=nothing")
-    assert wrong.code == 2
-    assert 'must be three linear numbers [r, g, b] or "#rrggbb" in quotes, or none, not' in wrong.error()
-    assert "alpha" in run("plan", "none.yaml").out
 
 
 def test_frames_have_straight_alpha_and_are_resumed(run: Runner) -> None:
@@ -114,12 +99,6 @@ def test_panels_without_background_leave_gaps_and_labels_opaque(run: Runner) -> 
     np.testing.assert_array_equal(found[:48, :64], alone.image)
     assert (found[:, 64:, 3] == 255).all()
     assert (found[48:, :, 3] == 255).all()
-
-
-def test_data_sets_have_masks_and_no_alpha(run: Runner) -> None:
-    refused = run("dataset", "tiny.yaml", "-o", "a", "--layout", "nerfstudio", *NONE)
-    assert refused.code == 2
-    assert "image.background: a data set has masks beside its pictures" in refused.error()
 
 
 def test_terminals_are_sent_pictures_over_grey(run: Runner) -> None:

@@ -102,10 +102,7 @@ def test_an_unknown_option_names_the_setting_that_is_meant(run: Runner, option: 
     done = run("render", "tiny.yaml", option)
     assert done.code == 2
     assert meant in done.error()
-
-
-def test_commands_without_settings_suggest_none(run: Runner) -> None:
-    assert "--set" not in run("compare", "--resolution", "a", "b").error()
+    assert "--set" not in run("compare", option, "a", "b").error()
 
 
 def test_suggested_settings_are_taken(run: Runner) -> None:

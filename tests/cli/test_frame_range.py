@@ -9,23 +9,13 @@ from hypothesis import strategies as st
 from strandcli.cli.values import FrameRange
 from strandcli.errors import UsageError
 
-parts = st.builds(
-    lambda first, extra, step: (first, first + extra, step),
-    st.integers(1, 500),
-    st.integers(0, 60),
-    st.integers(1, 80),
-)
+parts = st.tuples(st.integers(1, 500), st.integers(0, 60), st.integers(1, 80)).map(lambda p: (p[0], p[0] + p[1], p[2]))
 
 
 @given(st.lists(parts, min_size=1, max_size=6))
 def test_the_numbers_are_those_of_every_part_once_and_in_order(written: list[tuple[int, int, int]]) -> None:
     text = ",".join(f"{first}-{last}x{step}" for first, last, step in written)
-    expected: list[int] = []
-    for first, last, step in written:
-        number = first
-        while number <= last:
-            expected.append(number)
-            number += step
+    expected = [number for first, last, step in written for number in range(first, last + 1, step)]
     found = FrameRange.parse(text)
     assert list(found.numbers()) == sorted(set(expected))
     assert found.last == max(expected)
@@ -41,27 +31,7 @@ def test_any_text_is_either_frames_from_1_or_a_value_error(text: str) -> None:
     assert all(part[0] >= 1 for part in found.parts)
 
 
-@pytest.mark.parametrize(
-    ("text", "numbers"),
-    [("1-4", (1, 2, 3, 4)), ("1-10x5,12", (1, 6, 12)), ("7", (7,)), (" 3 , 1-2 ", (1, 2, 3)), ("2,2,1-2", (1, 2))],
-)
-def test_examples(text: str, numbers: tuple[int, ...]) -> None:
-    assert FrameRange.parse(text).numbers() == numbers
-
-
-@pytest.mark.parametrize(
-    "text",
-    [
-        "",
-        "0",
-        "5-3",
-        "1-",
-        "1-5x0",
-        "1.5",
-        "１",
-        "1-9999999999999999999",
-    ],
-)
+@pytest.mark.parametrize("text", ["", "0", "5-3", "1-", "1-5x0", "1.5", "１", "1-9999999999999999999"])
 def test_what_is_refused(text: str) -> None:
     with pytest.raises(ValueError, match=r"frame|runs backwards|step"):
         FrameRange.parse(text)

@@ -210,6 +210,7 @@ def test_the_command(groom: Path, tmp_path: Path, run: Runner) -> None:
         (["--layout", "nerfstudio", "--cameras", "CAMERAS", "--views", "9"], "holds 2 views, 9 are asked for"),
         (["--layout", "nerfstudio", "--elevation", "40,10"], "the lesser first"),
         (["--layout", "nerfstudio", "--frame", "7"], "the preset has 1 frames"),
+        (["--layout", "nerfstudio", "--set", "image.background=none"], "masks beside its pictures, not alpha"),
     ],
 )
 def test_what_is_refused(arguments: list[str], words: str, groom: Path, tmp_path: Path, run: Runner) -> None:

@@ -67,40 +67,28 @@ def test_a_self_test_that_ends_otherwise_is_told() -> None:
     assert examine.told(1, "", "").text == "exit code 1"
 
 
-def test_limits_of_control_groups_are_the_least_of_all_that_a_process_is_in(tmp_path: Path) -> None:
+@pytest.mark.parametrize("version", [1, 2])
+def test_limits_of_control_groups_are_the_least_of_all_that_a_process_is_in(version: int, tmp_path: Path) -> None:
+    """Of cores' time and of memory; what is left of that is in `tests/run/test_plan_memory.py`."""
     told = tmp_path / "told"
-    told.write_text("0::/user/job\n")
-    inner = tmp_path / "root/user/job"
-    inner.mkdir(parents=True)
-    assert limits.quota(tmp_path / "root", told) is None
-    (inner / "cpu.max").write_text("max 100000\n")
-    (inner.parent / "cpu.max").write_text("150000 100000\n")
-    (inner / "memory.max").write_text("max\n")
-    (inner.parent / "memory.max").write_text("5000\n")
-    (tmp_path / "root/memory.max").write_text("7000\n")
-    assert limits.quota(tmp_path / "root", told) == 1.5
-    assert limits.memory(tmp_path / "root", told) == 5000
-    assert limits.memory_left(tmp_path / "root", told) is None
-    (inner.parent / "memory.current").write_text("1000\n")
-    (tmp_path / "root/memory.current").write_text("6500\n")
-    assert limits.memory_left(tmp_path / "root", told) == 500
-
-
-def test_limits_of_the_first_version_of_control_groups(tmp_path: Path) -> None:
-    told = tmp_path / "told"
-    told.write_text("4:cpu,cpuacct:/job\n3:memory:/job\n")
-    for name in ("cpu/job", "memory/job"):
-        (tmp_path / name).mkdir(parents=True)
-    (tmp_path / "cpu/job/cpu.cfs_quota_us").write_text("-1")
-    (tmp_path / "cpu/job/cpu.cfs_period_us").write_text("100000")
-    (tmp_path / "cpu/cpu.cfs_quota_us").write_text("400000")
-    (tmp_path / "cpu/cpu.cfs_period_us").write_text("100000")
-    (tmp_path / "memory/job/memory.limit_in_bytes").write_text(str(2**63 - 4096))
-    assert limits.quota(tmp_path, told) == 4
-    assert limits.memory(tmp_path, told) is None
-    (tmp_path / "memory/memory.limit_in_bytes").write_text("9000")
-    (tmp_path / "memory/memory.usage_in_bytes").write_text("2000")
-    assert limits.memory_left(tmp_path, told) == 7000
+    told.write_text("0::/user/job\n" if version == 2 else "4:cpu,cpuacct:/user/job\n3:memory:/user/job\n")
+    inner = tmp_path / ("" if version == 2 else "memory") / "user/job"
+    cpu = tmp_path / ("" if version == 2 else "cpu") / "user/job"
+    for folder in (inner, cpu):
+        folder.mkdir(parents=True, exist_ok=True)
+    assert limits.quota(tmp_path, told) is None
+    for folder, quota in ((cpu, "max"), (cpu.parent, "150000")):
+        if version == 2:
+            (folder / "cpu.max").write_text(f"{quota} 100000\n")
+        else:
+            (folder / "cpu.cfs_quota_us").write_text(quota.replace("max", "-1"))
+            (folder / "cpu.cfs_period_us").write_text("100000")
+    name = "memory.max" if version == 2 else "memory.limit_in_bytes"
+    for folder, bytes_ in ((inner, "max" if version == 2 else 2**63 - 4096), (inner.parent, 5000)):
+        (folder / name).write_text(f"{bytes_}\n")
+    (inner.parents[1] / name).write_text("7000\n")
+    assert limits.quota(tmp_path, told) == 1.5
+    assert limits.memory(tmp_path, told) == 5000
 
 
 def test_fewer_cores_than_threads_are_told(monkeypatch: pytest.MonkeyPatch) -> None:

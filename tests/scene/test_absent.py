@@ -7,8 +7,7 @@ from typing import NamedTuple
 
 import pytest
 
-from scene_files import refused
-from scene_kit import complaint
+from scene_kit import complaint, refused
 from strandcli.scene.suggest import GONE, NEVER
 
 BALL = "solids:\n- {kind: sphere, name: head}\n"

@@ -6,8 +6,7 @@ from pathlib import Path
 
 import pytest
 
-from scene_files import changed, fails, make_library, refused, write
-from scene_kit import RULES
+from scene_kit import RULES, changed, fails, make_library, refused, write
 from strandcli.scene import load
 from strandcli.scene.model import DirectionalLight, DiscShape, SphereShape
 

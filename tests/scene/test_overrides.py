@@ -6,7 +6,7 @@ from pathlib import Path
 
 import pytest
 
-from scene_files import changed, make_library, refused
+from scene_kit import changed, make_library, refused
 from strandcli.scene import SceneError
 from strandcli.scene.model import Detail, DiscShape, PointLight
 

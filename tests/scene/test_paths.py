@@ -7,8 +7,7 @@ from pathlib import Path
 
 import pytest
 
-from scene_files import fails, make_library, write
-from scene_kit import RULES
+from scene_kit import RULES, fails, make_library, write
 from strandcli.scene import describe_preset, load
 
 
@@ -58,12 +57,9 @@ def test_strange_names_are_no_presets(name: str) -> None:
     assert len(message) < 300
 
 
-def test_a_folder_is_no_preset() -> None:
+def test_what_is_no_file_is_no_preset() -> None:
     Path("d.yaml").mkdir()
     assert "'d.yaml' is a folder" in fails("d.yaml")
-
-
-def test_what_is_neither_file_nor_folder_is_no_preset() -> None:
     os.mkfifo("pipe.yaml")
     Path("lost.yaml").symlink_to("nowhere.yaml")
     for name in ("pipe.yaml", "lost.yaml", os.devnull):

@@ -6,8 +6,7 @@ from pathlib import Path
 
 import pytest
 
-from scene_files import fails, make_library, write
-from scene_kit import RULES
+from scene_kit import RULES, fails, make_library, write
 from strandcli.scene import load
 from strandcli.scene.model import Detail
 

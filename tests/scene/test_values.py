@@ -58,6 +58,7 @@ def test_an_empty_mapping_is_its_defaults_and_an_empty_value_a_fault() -> None:
         ("ambient: [1, -1, 0]", "ambient.1: must be a number of at least 0, not '-1'"),
         ("ambient: red", "ambient: must be three linear numbers"),
         ("ambient: '#ff00'", "not '#ff00'"),
+        ("image: {background: nothing}", '[r, g, b] or "#rrggbb" in quotes, or none, not'),
         ("curves: {mode: fixd}", "must be one of adaptive, fixed, off, thinned, not 'fixd'; did you mean 'fixed'?"),
         ("title: [a]", "title: must be text, not '[a]'"),
         ("camera: 3", "camera: must be a mapping of settings, not '3'"),
