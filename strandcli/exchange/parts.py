@@ -2,16 +2,20 @@
 
 from __future__ import annotations
 
+from collections.abc import Iterable
 from dataclasses import dataclass, field
 from typing import Any, Literal
 
 import numpy as np
 import numpy.typing as npt
 
+from .splines import ControlCurves, Fitter
 from .strands import CHUNK, OBJECT, WIDTHS, Attribute, Domain, Offsets, Points, Source, Strands, offsets
 
 RANK: dict[Domain, int] = {"groom": 0, "strand": 1, "point": 2}
 """Domains, from few values to many."""
+Matrix = npt.NDArray[np.float64]
+"""(4, 4), of rows: a point (x, y, z, 1) is multiplied from the left."""
 
 
 @dataclass(frozen=True, slots=True, eq=False)
@@ -25,6 +29,25 @@ class Part:
     points: Points
     attributes: dict[str, Attribute] = field(default_factory=dict)
     unread: list[str] = field(default_factory=list)
+
+
+def part_of(
+    name: str, curves: ControlCurves, control: Points, fitter: Fitter, matrix: Matrix | None,
+    values: Iterable[tuple[str, str, npt.NDArray[Any] | None]],
+) -> Part:  # fmt: skip
+    """The points on curves of control points (P, 3), where a matrix puts them; ``values``: of each attribute our name,
+    what it belongs to, a key of `INTERPOLATIONS` or "", and rows of numbers, None for what is no numbers."""
+    attributes: dict[str, Attribute] = {}
+    unread = []
+    for label, interpolation, rows in values:
+        found = None if rows is None or label in attributes else curves.attribute(label, interpolation, rows)
+        if found is None:
+            unread.append(label)
+        else:
+            attributes[label] = found if matrix is None else moved_attribute(label, found, matrix)
+    points, departure = curves.points(control)
+    fitter.departure = max(fitter.departure, departure)
+    return Part(name, curves.point_counts(), moved(points, matrix), attributes, unread)
 
 
 def joined(parts: list[Part], source: Source) -> tuple[Strands, list[str]]:
@@ -86,10 +109,6 @@ def _values(one: Attribute, counts: Offsets, domain: Domain) -> npt.NDArray[Any]
     if domain == "point" and one.domain != "point":
         values = np.repeat(values, counts, axis=0)
     return values
-
-
-Matrix = npt.NDArray[np.float64]
-"""(4, 4), of rows: a point (x, y, z, 1) is multiplied from the left."""
 
 
 def moved(points: npt.NDArray[np.float32], matrix: Matrix | None) -> npt.NDArray[np.float32]:

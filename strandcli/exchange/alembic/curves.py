@@ -12,7 +12,7 @@ import numpy as np
 import numpy.typing as npt
 
 from ...common.rotations import of_quaternion
-from ..parts import Matrix, Part, moved, moved_attribute
+from ..parts import Matrix, Part, part_of
 from ..splines import (
     BSPLINE,
     CATMULL_ROM,
@@ -22,11 +22,9 @@ from ..splines import (
     NURBS,
     STRAIGHT,
     Basis,
-    ControlCurves,
     Fitter,
     is_clamped,
 )
-from ..strands import Attribute
 from . import layout
 from .archive import Archive, Object, Property
 
@@ -167,7 +165,7 @@ class Curves:
         return self.geometry["nVertices"]
 
 
-def part_of(
+def read_part(
     archive: Archive, one: Curves, told_of: Mapping[str, Property], fitter: Fitter, seconds: float | None = None
 ) -> Part:
     """The points on curves at a time or in the first sample, and their attributes. Raises `UsageError` where control
@@ -182,18 +180,8 @@ def part_of(
     curves = fitter.fitted(
         one.path, counts.astype(np.int64), control, basis, lambda words: archive.file.fault(words, at)
     )
-    matrix = world(archive, one.transforms, seconds)
-    attributes: dict[str, Attribute] = {}
-    unread = []
-    for name, told in told_of.items():
-        found = None if name in attributes else _attribute(archive, told, name, curves, seconds)
-        if found is None:
-            unread.append(name)
-        else:
-            attributes[name] = found if matrix is None else moved_attribute(name, found, matrix)
-    points, departure = curves.points(control)
-    fitter.departure = max(fitter.departure, departure)
-    return Part(one.path, curves.point_counts(), moved(points, matrix), attributes, unread)
+    values = ((name, *_values(archive, told, seconds)) for name, told in told_of.items())
+    return part_of(one.path, curves, control, fitter, world(archive, one.transforms, seconds), values)
 
 
 def attributes_of(archive: Archive, one: Curves) -> dict[str, Property]:
@@ -206,27 +194,23 @@ def attributes_of(archive: Archive, one: Curves) -> dict[str, Property]:
     return found
 
 
-def _attribute(
-    archive: Archive, told: Property, name: str, curves: ControlCurves, seconds: float | None
-) -> Attribute | None:  # fmt: skip
-    """A property's sample at a time, or its first; None where it has no row for each point or strand or for all."""
-    indices = None
+def _values(archive: Archive, told: Property, seconds: float | None) -> tuple[str, npt.NDArray[Any] | None]:
+    """What a property's sample at a time, or its first, belongs to, and its rows of numbers; None of other things."""
+    values_of, indices = told, None
     if told.kind == layout.COMPOUND:
         both = archive.compound(told)
         if ".vals" not in both or ".indices" not in both:
-            return None
+            return "", None
         indices, values_of = both[".indices"], both[".vals"]
-    else:
-        values_of = told
     if not values_of.dtype or not values_of.samples or values_of.kind == layout.COMPOUND:
-        return None
+        return "", None
     values: Any = archive.at(values_of, seconds)
     if indices is not None:
         values = _expanded(archive, indices, values, seconds)
     scope = told.metadata.get("geoScope", values_of.metadata.get("geoScope", ""))
     if values_of.dtype == "?":
         values = (values != 0).astype(np.int8)
-    return curves.attribute(name, layout.SCOPES.get(scope, ""), values)
+    return layout.SCOPES.get(scope, ""), values
 
 
 def _expanded(archive: Archive, indices: Property, values: Any, seconds: float | None) -> Any:

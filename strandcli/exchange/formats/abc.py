@@ -10,7 +10,7 @@ import numpy as np
 
 from ..alembic import layout
 from ..alembic.archive import CLOSE, Archive, Object, Property
-from ..alembic.curves import Curves, attributes_of, chain, part_of
+from ..alembic.curves import Curves, attributes_of, chain, read_part
 from ..alembic.export import write as write
 from ..bounded import opened
 from ..files import ReadOptions
@@ -39,7 +39,7 @@ def read(path: Path, options: ReadOptions) -> Strands:
         parts: list[Part] = []
         for one in _all_curves(archive):  # whose headers take more than the points of a few strands
             attributes = attributes_of(archive, one)
-            parts.append(part_of(archive, one, attributes, fitter, options.at))
+            parts.append(read_part(archive, one, attributes, fitter, options.at))
             clock.add(archive, one, attributes)
         times = clock.times
         facts: dict[str, Any] = {
