@@ -72,7 +72,7 @@ def attempt(content: bytes, suffix: str, folder: Path) -> str:
             return attempt_mesh(path)
         strands = read(path, ReadOptions(lenient=len(content) % 2 == 0))
         if len(content) % 5 == 0:
-            json.dumps(facts(strands).as_dict(), allow_nan=False)
+            json.dumps(facts(strands), allow_nan=False)
         sound = strands.first[0] == 0 and strands.first[-1] == strands.points.shape[0]
         if not sound or (strands.counts() < 2).any():
             return "strands that are none"

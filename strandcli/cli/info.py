@@ -59,9 +59,9 @@ def command(
 
         fit = fits.facts_on(files_of(file)[0], replace(how, lenient=True), Settings(file=str(on)))
     if as_json:
-        print_json(found.as_dict() if fit is None else {**found.as_dict(), "on": fit})
+        print_json(found if fit is None else {**found, "on": fit})
     else:
-        facts.say_facts(found.as_dict())
+        facts.say_facts(found)
         if fit is not None:
             say(f"  on mesh    {fit['mesh']}: {fits.said(fit)}")
     if picture is not None:

@@ -2,8 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Mapping
-from dataclasses import dataclass, replace
+from dataclasses import replace
 from pathlib import Path
 from typing import Any
 
@@ -24,50 +23,33 @@ UP = "y"
 """The up axis of strandcli's scenes, whose unit is the metre."""
 
 
-@dataclass(frozen=True, slots=True)
-class Fault:
-    """Something that is wrong or unusual: what, how many strands, in words, and the option of `convert` that mends it
-    ("" where there is nothing to do)."""
-
-    fault: str
-    count: int
-    text: str
-    mend: str = ""
+Fault = dict[str, Any]
+"""Something that is wrong or unusual: ``fault``, the ``count`` of strands, in a ``text``, and the option of `convert`
+to ``mend`` it, "" where there is nothing to do."""
 
 
-@dataclass(frozen=True, slots=True)
-class Facts:
-    """Of a file: data for programs, and faults."""
-
-    data: Mapping[str, Any]
-    faults: tuple[Fault, ...]
-
-    def as_dict(self) -> dict[str, Any]:
-        """All of it as JSON has it."""
-        found = [{"fault": one.fault, "count": one.count, "text": one.text, "mend": one.mend} for one in self.faults]
-        return {**self.data, "faults": found}
+def _fault(name: str, count: int, text: str, mend: str = "") -> Fault:
+    return {"fault": name, "count": count, "text": text, "mend": mend}
 
 
-def facts_of_file(path: Path, options: ReadOptions) -> Facts:
+def facts_of_file(path: Path, options: ReadOptions) -> dict[str, Any]:
     """What is in a file, or in numbered files, at the first moment, and which moments there are. Numbers that are not
-    finite are told as a fault."""
+    finite are reported as a fault."""
     strands, moments = read_first(path, replace(options, lenient=True))
-    told = None if moments is None else moments.facts()
-    found = facts(strands)
     size = sum(one.stat().st_size for one in files_of(path))
-    return Facts({"file": str(path), "bytes": size, **found.data, "moments": told}, found.faults)
+    known = None if moments is None else moments.facts()
+    return {"file": str(path), "bytes": size, **facts(strands), "moments": known}
 
 
-def facts(strands: Strands) -> Facts:
-    """What strands are like; shape and guesses are of those that are finite."""
+def facts(strands: Strands) -> dict[str, Any]:
+    """What strands are like, and their faults; shape and guesses are of those that are finite."""
     bad = faults.not_finite(strands)
     data = _data_of_all(strands)
     fine = strands.select(~bad)
     known = ends(fine)
     lengths = fine.lengths(np.float32)
     data |= {"length": spread(lengths.copy()), "box": _box(fine), "guess": _guesses(fine, known)}
-    found = [*_faults_of_strands(bad, fine, lengths), *_faults_of_groom(fine, known)]
-    return Facts(data, tuple(found))
+    return {**data, "faults": [*_faults_of_strands(bad, fine, lengths), *_faults_of_groom(fine, known)]}
 
 
 def _data_of_all(strands: Strands) -> dict[str, Any]:
@@ -116,7 +98,7 @@ def _guesses(strands: Strands, known: Ends) -> dict[str, Any]:
 
 def _faults_of_strands(bad: Mask, fine: Strands, lengths: npt.NDArray[np.float32]) -> list[Fault]:
     """Faults of strands, of which some are ``bad`` and the rest ``fine``, which are so long each."""
-    found = [Fault("skipped", count, f"{counted(count, 'strand')} of {why}, skipped")
+    found = [_fault("skipped", count, f"{counted(count, 'strand')} of {why}, skipped")
              for why, count in fine.source.skipped.items()]  # fmt: skip
     least = TINY * float(np.median(lengths)) if lengths.size else 0.0
     for name, mask, words, mend in (
@@ -129,11 +111,11 @@ def _faults_of_strands(bad: Mask, fine: Strands, lengths: npt.NDArray[np.float32
         count = int(np.count_nonzero(mask))
         if count:
             example = int(np.argmax(mask))
-            found.append(Fault(name, count, f"{counted(count, 'strand')} {words} (strand {example:,} for one)", mend))
+            found.append(_fault(name, count, f"{counted(count, 'strand')} {words} (strand {example:,} for one)", mend))
     for name, one in fine.attributes.items():
         rows = not_finite(one.values)[0]
         if rows:
-            found.append(Fault("attribute_not_finite", rows, f"{name} is not finite in {rows:,} rows", "--fix"))
+            found.append(_fault("attribute_not_finite", rows, f"{name} is not finite in {rows:,} rows", "--fix"))
     return found
 
 
@@ -142,14 +124,14 @@ def _faults_of_groom(strands: Strands, known: Ends) -> list[Fault]:
     source = strands.source
     if source.up not in (None, UP):
         text = f"up is {source.up}, as the file says; here up is {UP}"
-        found.append(Fault("up", strands.count, text, f"--up {source.up}"))
+        found.append(_fault("up", strands.count, text, f"--up {source.up}"))
     if source.unit not in (None, 1.0):
         text = f"a unit is {source.unit:.6g} m, as the file says; here they are metres"
-        found.append(Fault("unit", strands.count, text, f"--scale {source.unit:.9g}"))
+        found.append(_fault("unit", strands.count, text, f"--scale {source.unit:.9g}"))
     if known.root == "last":
-        found.append(Fault("tips_first", strands.count, f"roots are last: {WHY}", "--reverse"))
+        found.append(_fault("tips_first", strands.count, f"roots are last: {WHY}", "--reverse"))
     up = up_axis(strands, known)
     if up is not None and up[0] != UP and strands.source.up is None:
         text = f"up is {up[0]}, if hair hangs down ({up[1]:.0%} of it); here up is {UP}"
-        found.append(Fault("up", strands.count, text, f"--up {up[0]}"))
+        found.append(_fault("up", strands.count, text, f"--up {up[0]}"))
     return found

@@ -74,7 +74,7 @@ def strands(path: Path, preset: Path) -> Placed:
     from ..exchange.facts import facts_of_file
     from ..exchange.files import ReadOptions
 
-    data = facts_of_file(path, ReadOptions()).data
+    data = facts_of_file(path, ReadOptions())
     if data["box"] is None:
         raise UsageError(f"{path}: has no strand that could be drawn; 'strandcli info {path}' describes it")
     guess = data["guess"]

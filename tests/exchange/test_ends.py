@@ -38,7 +38,7 @@ def test_no_guess_is_wrong(kind: str) -> None:
 def test_what_nothing_is_guessed_of_is_not_turned(kind: str) -> None:
     strands = ends_kit.made(kind, 3).strands
     assert edits.fixed(strands)[0].points.tobytes() == strands.points.tobytes()
-    assert facts(strands).data["guess"] == {"root": None, "up": None}
+    assert facts(strands)["guess"] == {"root": None, "up": None}
 
 
 def test_what_turns_all_strands_says_why_and_how_to_have_them_otherwise(tmp_path: Path) -> None:

@@ -18,12 +18,12 @@ from strandcli.exchange.strands import Strands
 
 
 def faults(strands: Strands) -> dict[str, tuple[int, str]]:
-    return {one.fault: (one.count, one.mend) for one in facts(strands).faults}
+    return {one["fault"]: (one["count"], one["mend"]) for one in facts(strands)["faults"]}
 
 
 def test_counts_lengths_and_box() -> None:
     strands = kit.of([np.array([[0, 0, 0], [3, 4, 0]], np.float32), np.array([[0, 0, 0], [0, 0, 1], [0, 0, 2]])])
-    data = facts(strands).data
+    data = facts(strands)
     assert (data["strands"], data["points"]) == (2, 5)
     assert data["length"] == {"min": 2, "median": 3.5, "mean": 3.5, "max": 5}
     assert data["points_a_strand"]["median"] == 2.5
@@ -33,7 +33,7 @@ def test_counts_lengths_and_box() -> None:
 def test_a_groom_of_metres_with_y_up_has_no_faults() -> None:
     strands = kit.of(list(head() * np.float32(0.01)))
     assert faults(strands) == {}
-    guess = facts(strands).data["guess"]
+    guess = facts(strands)["guess"]
     assert (guess["root"], guess["up"]["axis"]) == ("first", "y")
 
 
@@ -47,9 +47,9 @@ def test_a_strand_far_from_all_others_changes_no_guess(far: float) -> None:
     groom = list(head() * np.float32(0.01))
     stray = np.array([[0, 0, 0], [far, 0, 0]], np.float32)
     found = facts(kit.of([*groom, stray, stray + np.float32(2 * far)]))
-    guess = found.data["guess"]
+    guess = found["guess"]
     assert (guess["root"], guess["up"]["axis"]) == ("first", "y")
-    assert [one.fault for one in found.faults] == []
+    assert [one["fault"] for one in found["faults"]] == []
 
 
 def test_single_strands_at_fault_are_told_with_what_mends_them() -> None:
@@ -72,4 +72,4 @@ def test_json_has_no_number_that_is_none(tmp_path: Path) -> None:
     grooms: list[Any] = [[], [np.full((3, 3), np.nan, np.float32)], [np.ones((2, 3), np.float32)]]
     for strands in grooms:
         (tmp_path / "a.data").write_bytes(kit.data(strands))
-        json.dumps(facts_of_file(tmp_path / "a.data", ReadOptions()).as_dict(), allow_nan=False)
+        json.dumps(facts_of_file(tmp_path / "a.data", ReadOptions()), allow_nan=False)
