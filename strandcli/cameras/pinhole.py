@@ -203,6 +203,23 @@ def upright(up: tuple[float, float, float]) -> Floats:
     return np.asarray(np.eye(3) + cross + cross @ cross / (1 + cosine))
 
 
+@dataclass(frozen=True)
+class Views:
+    """What a file of cameras holds."""
+
+    views: Sequence[Pinhole]
+    own: bool
+    """Whether strandcli wrote it: its world is a scene's, in metres. Else it is that of the file of strands."""
+    notes: tuple[str, ...] = ()
+    """What a person should know, a line each."""
+    unit: float = 1.0
+    """Metres of a unit of the file's own coordinates, which are those of the file of strands; views are in metres."""
+    up: str = "y"
+    """Up axis of these; that of views is y."""
+    above: tuple[float, float, float] = UP
+    """What is up in the world of the views, as far as they tell."""
+
+
 SEEN = 0.01
 """Pixels at the picture's rim under which two focal lengths are one."""
 

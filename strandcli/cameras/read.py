@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Sequence
-from dataclasses import dataclass, replace
+from dataclasses import replace
 from pathlib import Path
 from typing import TYPE_CHECKING
 
@@ -14,7 +14,7 @@ from ..files.inputs import content, reading
 from ..output.files import json_of
 from ..scene.motion import camera_at
 from . import colmap, transforms, usd
-from .pinhole import UP, MissingSize, Pinhole, above, from_dict, of_camera, to_camera
+from .pinhole import UP, MissingSize, Pinhole, Views, above, from_dict, of_camera, to_camera
 
 if TYPE_CHECKING:
     from ..scene.model import Camera, Scene
@@ -25,23 +25,6 @@ OWN = "dataset.json"
 USD = (".usd", ".usda", ".usdc", ".usdz")
 MOST = 1_000_000
 """Views of a file."""
-
-
-@dataclass(frozen=True)
-class Views:
-    """What a file of cameras holds."""
-
-    views: Sequence[Pinhole]
-    own: bool
-    """Whether strandcli wrote it: its world is a scene's, in metres. Else it is that of the file of strands."""
-    notes: tuple[str, ...] = ()
-    """What a person should know, a line each."""
-    unit: float = 1.0
-    """Metres of a unit of the file's own coordinates, which are those of the file of strands; views are in metres."""
-    up: str = "y"
-    """Up axis of these; that of views is y."""
-    above: tuple[float, float, float] = UP
-    """What is up in the world of the views, as far as they tell."""
 
 
 def file_of(path: Path) -> Path:
@@ -91,23 +74,18 @@ def views_of(
 def _read(path: Path, size: tuple[int, int] | None, name: str, notes: list[str]) -> Views:
     """The views of a file by its kind."""
     if path.suffix.lower() in USD:
-        stage = usd.read(path, size, name, notes)
-        return Views(stage.views, stage.own, unit=stage.unit, up=stage.up)
+        return usd.read(path, size, name, notes)
     if name:
         raise UsageError(f"{path}: camera {name}: only files of USD have several cameras; leave out the name")
-    found, by_us = _others(path, size, notes)
-    return Views(found, by_us, above=UP if by_us else above(found))
-
-
-def _others(path: Path, size: tuple[int, int] | None, notes: list[str]) -> tuple[Sequence[Pinhole], bool]:
-    """The views of a file that is no USD, and whether strandcli wrote it."""
     if path.name in colmap.FILES and colmap.folder_of(path.parent) is not None:
-        return colmap.read(path.parent, size, notes)
-    if path.name == OWN:
-        return _of_strandcli(path), True
-    if path.suffix.lower() == ".json":
-        return transforms.read(path, size, notes)
-    raise UsageError(f"{path}: is no file of cameras that is known: {KINDS}")
+        found, own = colmap.read(path.parent, size, notes)
+    elif path.name == OWN:
+        found, own = _of_strandcli(path), True
+    elif path.suffix.lower() == ".json":
+        found, own = transforms.read(path, size, notes)
+    else:
+        raise UsageError(f"{path}: is no file of cameras that is known: {KINDS}")
+    return Views(found, own, above=UP if own else above(found))
 
 
 def _in_folder(path: Path) -> Path | None:

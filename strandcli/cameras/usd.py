@@ -28,7 +28,7 @@ from ..common.rotations import turning
 from ..errors import UsageError, one_line
 from ..exchange.usd.process import ask
 from ..files.inputs import opened
-from .pinhole import Floats, Pinhole, checked_rotation, picture_size, square_focal
+from .pinhole import Floats, Pinhole, Views, checked_rotation, picture_size, square_focal
 
 APERTURE_UNIT = 0.1
 """Units of the world, of an aperture of 1."""
@@ -40,17 +40,6 @@ WORD = 40
 UPS = ("y", "z")
 TURN = np.diag([1.0, -1.0, -1.0])
 """From right, up, back to right, down, forward."""
-
-
-@dataclass(frozen=True)
-class Stage:
-    """Views of a camera of a stage, in metres, y up; and of the stage's own coordinates the metres of a unit, and the
-    up axis."""
-
-    views: Sequence[Pinhole]
-    own: bool
-    unit: float
-    up: str
 
 
 @dataclass(frozen=True)
@@ -78,7 +67,7 @@ class Picture:
         return (wide, y) if keep_height else (x, x * self.pixel)
 
 
-def read(path: Path, size: tuple[int, int] | None, name: str, notes: list[str]) -> Stage:
+def read(path: Path, size: tuple[int, int] | None, name: str, notes: list[str]) -> Views:
     """The views of a camera, one for each frame; ``name``: its path in the stage or the end of it, where there are
     several. Raises `UsageError` for a file that is damaged, and for a camera that is none."""
     with opened(path) as file:
@@ -108,7 +97,7 @@ def read(path: Path, size: tuple[int, int] | None, name: str, notes: list[str]) 
         near = told["near"] if told["near"] is not None and 0 < told["near"] < math.inf else None
         view = replace(view, near=near).moved(turning(up, "y"), np.zeros(3), unit)
         views.append(view)
-    return Stage(views, bool(told["own"]), unit, up)
+    return Views(views, bool(told["own"]), unit=unit, up=up)
 
 
 def _name(code: float | None) -> str:
