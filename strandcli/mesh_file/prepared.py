@@ -17,7 +17,7 @@ from numpy.typing import NDArray
 from ..files.inputs import cached
 from ..jit.kept import FREE, Arrays, kept
 from ..meshes.bvh import Bvh, DistanceGrid, make_bvh, make_distance_grid, moved
-from ..meshes.mesh import TriangleMesh, Vectors, unit
+from ..meshes.mesh import TriangleMesh, Vectors, angles, unit
 from .kernels import arrays as at
 from .kernels.arrays import Data
 from .maps import LINEAR, Pyramid, picture, pyramid
@@ -211,10 +211,7 @@ def smooth(mesh: TriangleMesh, crease: float) -> Vectors:
         return mesh.normals[mesh.triangles]
     weighted = np.empty((len(faces), 3, 3))
     for k in range(3):
-        a = unit(corners[:, (k + 1) % 3] - corners[:, k])
-        b = unit(corners[:, (k + 2) % 3] - corners[:, k])
-        angle = 2.0 * np.arctan2(np.linalg.norm(a - b, axis=1), np.linalg.norm(a + b, axis=1))
-        weighted[:, k] = angle[:, None] * faces
+        weighted[:, k] = angles(corners, k)[:, None] * faces
     flat = weighted.reshape(-1, 3)
     vertex = mesh.triangles.reshape(-1)
     order = np.argsort(vertex, kind="stable")

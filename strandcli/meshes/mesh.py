@@ -164,6 +164,12 @@ def face_vectors(corners: Vectors) -> Vectors:
     return np.cross(corners[:, 1] - corners[:, 0], corners[:, 2] - corners[:, 0])
 
 
+def angles(corners: Vectors, k: int) -> Vectors:
+    """Angles (T,) of triangles (T, 3, 3) at their corner k (Kahan 2006)."""
+    a, b = (unit(corners[:, (k + step) % 3] - corners[:, k]) for step in (1, 2))
+    return np.asarray(2.0 * np.arctan2(np.linalg.norm(a - b, axis=1), np.linalg.norm(a + b, axis=1)))
+
+
 def smooth_normals(vertices: Vectors, triangles: Indices) -> Vectors:
     """Normals (V, 3) of vertices: those of their triangles, weighted by the angle there (Thürmer & Wüthrich 1998)."""
     found = np.zeros_like(vertices)
@@ -173,9 +179,7 @@ def smooth_normals(vertices: Vectors, triangles: Indices) -> Vectors:
         for rows in slices(triangles.shape[0]):
             corners = vertices[triangles[rows]]
             faces = unit(face_vectors(corners))
-            here, one, other = (corners[:, (k + step) % 3] for step in range(3))
-            a, b = unit(one - here), unit(other - here)
-            angle = 2.0 * np.arctan2(np.linalg.norm(a - b, axis=1), np.linalg.norm(a + b, axis=1))
+            angle = angles(corners, k)
             for axis in range(3):
                 np.add.at(sums[axis], triangles[rows, k], angle * faces[:, axis])
         found += sums.T
