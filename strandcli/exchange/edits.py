@@ -16,7 +16,8 @@ from ..errors import UsageError
 from . import faults
 from .bounded import not_finite
 from .ends import WHY, ends
-from .strands import CHUNK, Attribute, Offsets, Points, Strands
+from .parts import moved
+from .strands import Attribute, Offsets, Strands
 
 
 @dataclass(frozen=True, slots=True)
@@ -160,17 +161,9 @@ def _apply(strands: Strands, turn: Floats, factor: float = 1.0) -> Strands:
         elif name.endswith("normal") and values.shape[-1:] == (3,):
             values = (values @ turn.T).astype(values.dtype)
         found[name] = Attribute(one.domain, values)
-    points = _mapped(strands.points, factor * turn)
+    matrix = np.eye(4)
+    matrix[:3, :3] = factor * turn.T
+    points = moved(strands.points, matrix)
     if not_finite(points)[0]:
         raise UsageError("points are too far out for single precision after --scale")
     return replace(strands, points=points, attributes=found)
-
-
-def _mapped(points: Points, linear: Floats) -> Points:
-    out = np.empty_like(points)
-    with np.errstate(over="ignore"):
-        for begin in range(0, points.shape[0], CHUNK):
-            part = points[begin : begin + CHUNK].astype(np.float64)
-            # numbers that a matrix leaves alone keep their bits
-            out[begin : begin + CHUNK] = sum(part[:, j, None] * linear[:, j] for j in range(3))
-    return out

@@ -10,7 +10,7 @@ import numpy as np
 import numpy.typing as npt
 
 from .splines import ControlCurves, Fitter
-from .strands import CHUNK, OBJECT, WIDTHS, Attribute, Domain, Offsets, Points, Source, Strands, offsets
+from .strands import CACHED, OBJECT, WIDTHS, Attribute, Domain, Offsets, Points, Source, Strands, offsets
 
 RANK: dict[Domain, int] = {"groom": 0, "strand": 1, "point": 2}
 """Domains, from few values to many."""
@@ -117,8 +117,8 @@ def moved(points: npt.NDArray[np.float32], matrix: Matrix | None) -> npt.NDArray
         return points
     found = np.empty_like(points)
     with np.errstate(over="ignore", invalid="ignore"):
-        for begin in range(0, points.shape[0], CHUNK):
-            found[begin : begin + CHUNK] = points[begin : begin + CHUNK] @ matrix[:3, :3] + matrix[3, :3]
+        for begin in range(0, points.shape[0], CACHED):  # of more, threads of BLAS wait for one another
+            found[begin : begin + CACHED] = points[begin : begin + CACHED] @ matrix[:3, :3] + matrix[3, :3]
     return found
 
 

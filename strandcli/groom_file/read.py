@@ -10,13 +10,15 @@ import numpy as np
 from numpy.typing import NDArray
 
 from ..common.counted import counted
+from ..common.rotations import turning
 from ..errors import UsageError, about
 from ..exchange import faults
-from ..exchange.edits import Step, edited, fixed, reversed_all, turned
+from ..exchange.edits import Step, edited, fixed, reversed_all
 from ..exchange.files import Moments, ReadOptions, read_first
+from ..exchange.parts import moved
 from ..exchange.resample import some
 from ..exchange.splines import note_of
-from ..exchange.strands import CACHED, CHUNK, Offsets, Points, Strands, even_offsets
+from ..exchange.strands import CHUNK, Offsets, Points, Strands, even_offsets
 from ..files.inputs import cached
 from ..groom.blocks import spatial_order
 from ..groom.deforming import units
@@ -71,20 +73,14 @@ def placement_of(strands: Strands, given: GroomFile, notes: list[str]) -> Placem
 def put(strands: Strands, given: GroomFile, placement: Placement) -> Strands:
     """Strands of a file in metres, y up, where the scene wants them. Raises `UsageError` where single precision ends
     before that."""
-    strands = strands if placement.up == UP else turned(strands, placement.up, UP)[0]
-    if placement.factor == 1 and not placement.shift.any():
+    matrix = np.eye(4)
+    matrix[:3, :3], matrix[3, :3] = placement.factor * turning(placement.up, UP).T, placement.shift
+    if np.array_equal(matrix, np.eye(4)):
         return strands
-    moved = np.empty_like(strands.points)
-    wide = np.empty((CACHED, 3))
-    with np.errstate(over="ignore"):
-        for begin in range(0, moved.shape[0], CACHED):
-            some = strands.points[begin : begin + CACHED]
-            part = np.multiply(some, placement.factor, out=wide[: some.shape[0]], dtype=np.float64)
-            part += placement.shift
-            moved[begin : begin + CACHED] = part
-    if not np.isfinite(box_of(moved)).all():
+    points = moved(strands.points, matrix)
+    if not np.isfinite(box_of(points)).all():
         raise UsageError(f"{given.file}: points are too far out for single precision; set emitter.groom.scale or size")
-    return replace(strands, points=moved)
+    return replace(strands, points=points)
 
 
 @dataclass(frozen=True, eq=False)
