@@ -187,15 +187,10 @@ def machine() -> dict[str, Any]:
     except ValueError:  # no parallel kernel has run yet
         layer = None
     return {
-        "cpu": cpu_name(),
-        "cores": os.cpu_count(),
-        "threads": int(numba.get_num_threads()),
-        "threading_layer": layer,
-        "python": platform.python_version(),
-        "numba": numba.__version__,
-        "llvm": ".".join(str(part) for part in llvmlite.binding.llvm_version_info),
-        "llvmlite": llvmlite.__version__,
-    }
+        "cpu": cpu_name(), "cores": os.cpu_count(), "threads": int(numba.get_num_threads()), "threading_layer": layer,
+        "python": platform.python_version(), "numba": numba.__version__,
+        "llvm": ".".join(str(part) for part in llvmlite.binding.llvm_version_info), "llvmlite": llvmlite.__version__,
+    }  # fmt: skip
 
 
 def entered_by_several() -> bool:

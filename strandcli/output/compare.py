@@ -73,16 +73,11 @@ def compare(first: Samples, second: Samples, threshold: int = 0) -> Comparison:
     square = float(np.mean(np.square(difference, dtype=np.float64)))
     level = float(np.mean(np.square(first, dtype=np.float64)))
     return Comparison(
-        width=first.shape[1],
-        height=first.shape[0],
-        threshold=threshold,
-        over=over,
-        over_fraction=over / worst.size,
-        max_difference=worst.max().item(),
-        rmse=math.sqrt(square),
+        width=first.shape[1], height=first.shape[0], threshold=threshold, over=over, over_fraction=over / worst.size,
+        max_difference=worst.max().item(), rmse=math.sqrt(square),
         rmse_relative=math.sqrt(square / level) if level else None,
         psnr_db=10 * math.log10(255.0**2 / square) if square else None,
-    )
+    )  # fmt: skip
 
 
 class Compared(NamedTuple):

@@ -48,16 +48,9 @@ class PositionsWriter:
     """Writes one compressionless .npz a frame, and at the end the manifest of all of them."""
 
     def __init__(
-        self,
-        directory: Path,
-        frames: Sequence[int],
-        strands: int,
-        particles: int,
-        *,
-        overwrite: bool,
-        resume: bool,
-        motion: Motion | None = None,
-    ) -> None:
+        self, directory: Path, frames: Sequence[int], strands: int, particles: int, *,
+        overwrite: bool, resume: bool, motion: Motion | None = None,
+    ) -> None:  # fmt: skip
         """Refuses up front as `FrameWriter` does. With ``resume``, files that are whole and of this ``motion`` stay."""
         if overwrite and resume:
             raise UsageError("--overwrite and --resume exclude each other: replace the files, or skip them")
@@ -109,18 +102,12 @@ class PositionsWriter:
     def write_manifest(self, preset: str, sha256: str | None, fps: float, status: str) -> dict[str, Any]:
         """Write the manifest of the frames that are there, and let go of the folder; returns the manifest."""
         data = {
-            "schema_version": SCHEMA_VERSION,
-            "strandcli": __version__,
-            "status": status,
-            "preset": {"name": preset, "sha256": sha256 or None},
-            "strands": self.shape[0],
-            "particles": self.shape[1],
-            "dtype": "float32",
-            "unit": "m",
-            "fps": fps,
+            "schema_version": SCHEMA_VERSION, "strandcli": __version__, "status": status,
+            "preset": {"name": preset, "sha256": sha256 or None}, "strands": self.shape[0],
+            "particles": self.shape[1], "dtype": "float32", "unit": "m", "fps": fps,
             **({"motion": self.motion._asdict()} if self.motion.fingerprint else {}),
             "frames": [self._entry(frame) for frame in sorted(self.done)],
-        }
+        }  # fmt: skip
         try:
             write_json(self.directory / MANIFEST, data)
         finally:

@@ -77,14 +77,10 @@ class RunReport:
         self.warnings.append(message)
 
     def as_dict(
-        self,
-        status: str,
-        written: Mapping[int, Written],
-        machine: Mapping[str, Any] | None,
-        compile_seconds: float | None,
-        previous: Mapping[str, Any] | None = None,
+        self, status: str, written: Mapping[int, Written], machine: Mapping[str, Any] | None,
+        compile_seconds: float | None, previous: Mapping[str, Any] | None = None,
         others: Mapping[int, dict[str, Any]] | None = None,
-    ) -> dict[str, Any]:
+    ) -> dict[str, Any]:  # fmt: skip
         """The whole report, ready for JSON. ``previous`` is the report that lies there, whose entries are taken over
         for frames that this run kept and that are still the same file; ``others`` are entries of frames that it has
         nothing to do with, from `of_others`."""
@@ -101,16 +97,12 @@ class RunReport:
             else:
                 entries[frame] = {"frame": frame, "file": done.file, "pixels_sha256": done.pixels_sha256, "kept": True}
         return {
-            "schema_version": SCHEMA_VERSION,
-            "strandcli": __version__,
-            "status": status,
+            "schema_version": SCHEMA_VERSION, "strandcli": __version__, "status": status,
             **({"failure": self.failure} if self.failure is not None else {}),
             **({"warnings": self.warnings} if self.warnings else {}),
             **({"picture_error": self.picture_error} if self.picture_error is not None else {}),
-            "preset": self.preset,
-            "scene": self.scene or None,
-            "machine": dict(machine) if machine is not None else None,
-            "plan": self.plan,
+            "preset": self.preset, "scene": self.scene or None,
+            "machine": dict(machine) if machine is not None else None, "plan": self.plan,
             "compile_seconds": compile_seconds,
             "frames": [entries[frame] for frame in sorted(entries)],
             "totals": {
@@ -118,7 +110,7 @@ class RunReport:
                 "frames_per_second": fresh / seconds if fresh and seconds > 0 else None,
                 "peak_rss_bytes": peak_rss_bytes() or None,
             },
-        }
+        }  # fmt: skip
 
 
 def plan_stages(plan: Any) -> dict[str, Any] | None:

@@ -62,26 +62,17 @@ def run(
     counts = timed["counts"]
     at_once = runtime.machine()["threads"] // timed["share"]
     return {
-        "strands": strands,
-        "particles": particles,
-        "size": list(size),
-        "frames": frames,
-        "threads": runtime.machine()["threads"],
-        "set": list(overrides),
-        "compile_seconds": runtime.compile_seconds(),
-        "frames_at_once": at_once,
-        "stages": stages,
+        "strands": strands, "particles": particles, "size": list(size), "frames": frames,
+        "threads": runtime.machine()["threads"], "set": list(overrides), "compile_seconds": runtime.compile_seconds(),
+        "frames_at_once": at_once, "stages": stages,
         "frame": {"median_ms": timed["frame_ms"], "fps": 1e3 / timed["frame_ms"]},
         "counts": {name: counts[name] for name in ("segments", "fragments", "fragment_bytes") if name in counts},
         "particle_step_ns": 1e6 * stages["simulate"]["median_ms"] / (strands * particles) / at_once,
-        "error": timed["error"],
-        "busy": timed["busy"],
+        "error": timed["error"], "busy": timed["busy"],
         "steps": time_steps(settings["solver"], strands, particles, 20, overrides),
-        "rules": time_rules(strands, particles),
-        "lines": time_lines(strands, 37, *size),
-        "peak_rss_bytes": peak_rss_bytes(),
-        "machine": runtime.machine(),
-    }
+        "rules": time_rules(strands, particles), "lines": time_lines(strands, 37, *size),
+        "peak_rss_bytes": peak_rss_bytes(), "machine": runtime.machine(),
+    }  # fmt: skip
 
 
 def time_frames(scene: Scene, frames: int, threads: int | None, notify: Notify | None) -> dict[str, Any]:
@@ -209,12 +200,9 @@ def time_lines(strands: int, points: int, width: int, height: int, repeats: int 
     segments = strands * (points - 1)
     fragments = count_fragments(screen, points)
     return {
-        "segments": segments,
-        "fragments": fragments,
-        "ms": 1e3 * took,
-        "segment_ns": 1e9 * took / segments,
+        "segments": segments, "fragments": fragments, "ms": 1e3 * took, "segment_ns": 1e9 * took / segments,
         "fragment_ns": 1e9 * took / fragments,
-    }
+    }  # fmt: skip
 
 
 def drooping(strands: int, points: int, width: int, height: int) -> tuple[NDArray[np.float32], NDArray[np.float32]]:

@@ -66,19 +66,13 @@ def run(
         timed, busy = time_stages(scene, frames, clock, notify)
     seconds = [sum(one.values()) for one, _ in timed]
     return {
-        "preset": preset,
-        "size": list(size),
-        "frames": frames,
+        "preset": preset, "size": list(size), "frames": frames,
         "threads": runtime.machine()["threads"] if threads is None else threads,
-        "set": [*overrides, *(f"{path}={value}" for path, value in changes.items())],
-        "clock": "cpu" if cpu else "wall",
-        "compile_seconds": runtime.compile_seconds(),
-        "stages": {name: stage_row(name, timed) for name in timed[-1][0]},
-        "frame": {**spread(seconds), "fps": 1 / float(np.median(seconds))},
-        "counts": timed[-1][1],
-        "busy": busy,
+        "set": [*overrides, *(f"{path}={value}" for path, value in changes.items())], "clock": "cpu" if cpu else "wall",
+        "compile_seconds": runtime.compile_seconds(), "stages": {name: stage_row(name, timed) for name in timed[-1][0]},
+        "frame": {**spread(seconds), "fps": 1 / float(np.median(seconds))}, "counts": timed[-1][1], "busy": busy,
         "machine": runtime.machine(),
-    }
+    }  # fmt: skip
 
 
 def time_stages(

@@ -14,10 +14,8 @@ from numpy.typing import NDArray
 
 from .. import load
 from ..compiling import runtime
-from ..groom.emit import emit
 from ..scene.model import Scene
-from ..simulate.thesis.solver import ThesisSolver
-from .bench import time_frames
+from .bench import at_first_frame, time_frames
 from .chart import FAINT, GRID, INK, drawing, line, marker, text
 
 Notify = Callable[[str], None]
@@ -126,8 +124,7 @@ def _trembling() -> dict[str, Any]:
 
 def tremble(scene: Scene, frames: int = 60) -> float:
     """The diagonal of the box that a tip stays in after the scene's pre-roll, metres, the mean of all strands."""
-    solver = ThesisSolver(scene, emit(scene.emitter, scene.seed))
-    tips = []
+    solver, tips = at_first_frame(scene), []
     for frame in range(1, frames + 1):
         solver.advance(frame)
         tips.append(solver.particles()[:, -1])
@@ -135,26 +132,16 @@ def tremble(scene: Scene, frames: int = 60) -> float:
 
 
 def _drooping(fps: int, preroll: float = 4.0, jitter: float = 0.0) -> Scene:
-    return load(
-        "headline",
-        settings={
-            "time.jitter": jitter,
-            "emitter.strands": 256,
-            "emitter.length": 1.0,
-            "emitter.length_variation": 0.0,
-            "emitter.keys": [],
-            "time.fps": fps,
-            "time.preroll": preroll,
-            "rules": ["gravity", {"stiffness": {"strength": 40.0}}, "elasticity"],
-        },
-    )
+    return load("headline", settings={
+        "time.jitter": jitter, "emitter.strands": 256, "emitter.length": 1.0, "emitter.length_variation": 0.0,
+        "emitter.keys": [], "time.fps": fps, "time.preroll": preroll,
+        "rules": ["gravity", {"stiffness": {"strength": 40.0}}, "elasticity"],
+    })  # fmt: skip
 
 
 def rest(scene: Scene) -> NDArray[np.float32]:
     """(strands, particles, 3) after the scene's pre-roll."""
-    solver = ThesisSolver(scene, emit(scene.emitter, scene.seed))
-    solver.advance(1)
-    return solver.particles()
+    return at_first_frame(scene).particles()
 
 
 def _tunnelling() -> dict[str, Any]:
@@ -162,25 +149,15 @@ def _tunnelling() -> dict[str, Any]:
     shares = {}
     axis = np.array([-2, 0.86, 0.5]), np.array([2, 0.86, 0.5])
     for segments in (False, True):
-        scene = load(
-            "headline",
-            settings={
-                "emitter.shape": {"kind": "plane", "width": 2.0, "depth": 0.2},
-                "emitter.position": [0, 0.85, 0],
-                "emitter.keys": [],
-                "emitter.direction": [0, 0, 1],
-                "emitter.strands": 1024,
-                "emitter.particles": 6,
-                "emitter.length": 1.5,
-                "emitter.length_variation": 0.3,
-                "solids": [
-                    {"kind": "capsule", "radius": 0.03, "length": 4, "position": [0, 0.86, 0.5], "rotation": [0, 0, 90]}
-                ],
-                "time.preroll": 1.0,
-                "time.fps": 60,
-                "rules": [{"collision": {"segments": segments}}, "elasticity"],
-            },
-        )
+        scene = load("headline", settings={
+            "emitter.shape": {"kind": "plane", "width": 2.0, "depth": 0.2}, "emitter.position": [0, 0.85, 0],
+            "emitter.keys": [], "emitter.direction": [0, 0, 1], "emitter.strands": 1024, "emitter.particles": 6,
+            "emitter.length": 1.5, "emitter.length_variation": 0.3, "time.preroll": 1.0, "time.fps": 60,
+            "solids": [
+                {"kind": "capsule", "radius": 0.03, "length": 4, "position": [0, 0.86, 0.5], "rotation": [0, 0, 90]},
+            ],
+            "rules": [{"collision": {"segments": segments}}, "elasticity"],
+        })  # fmt: skip
         shares[segments] = cut_share(rest(scene), *axis, 0.03)
     return row(
         "strands cut by a capsule of radius 0.03, segments about 0.3 long: points against segments",
@@ -219,25 +196,15 @@ def _fewer(threads: int | None) -> list[dict[str, Any]]:
 def _picture(distance: float, strands: int, wider: int, threads: int | None) -> NDArray[np.uint8]:
     from ..run import pipeline
 
-    scene = load(
-        "headline",
-        settings={
-            "emitter.strands": strands,
-            "emitter.shape": {"kind": "sphere", "radius": 8.0},
-            "emitter.length": 6.0,
-            "emitter.keys": [],
-            "solids": [],
-            "rules": [{"gravity": {"acceleration": [0, -200.0, 0]}}, {"stiffness": {"strength": 40.0}}, "elasticity"],
-            "camera": {"position": [0, 0, distance], "target": [0, 0, 0], "fov": 40},
-            "image.supersample": 4,
-            "image.background": [0.0, 0.0, 0.0],
-            "image.horizon": None,
-            # the width of a line at distance 50 in a picture 600 high
-            "material.width": wider * 50 * 2 * 0.36397 / 600,
-            "material.taper": 0.0,
-            "time.frames": 1,
-        },
-    )
+    scene = load("headline", settings={
+        "emitter.strands": strands, "emitter.shape": {"kind": "sphere", "radius": 8.0}, "emitter.length": 6.0,
+        "emitter.keys": [], "solids": [], "time.frames": 1,
+        "rules": [{"gravity": {"acceleration": [0, -200.0, 0]}}, {"stiffness": {"strength": 40.0}}, "elasticity"],
+        "camera": {"position": [0, 0, distance], "target": [0, 0, 0], "fov": 40},
+        "image.supersample": 4, "image.background": [0.0, 0.0, 0.0], "image.horizon": None,
+        # the width of a line at distance 50 in a picture 600 high
+        "material.width": wider * 50 * 2 * 0.36397 / 600, "material.taper": 0.0,
+    })  # fmt: skip
     image = next(iter(pipeline.render(scene, [1], threads=threads))).image
     assert image is not None
     return image

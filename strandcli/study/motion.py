@@ -122,14 +122,12 @@ class Motion(Experiment):
         most = min(MOST_ITERATIONS, 2 * max(self.iterations()))
         return [
             {
-                "solver": solver,
-                "emitter.particles": max(2, -(-segments // part) + 1),
-                "time.substeps": max(1, steps // part),
-                **({"rod.iterations": most} if solver == "rod" else {}),
+                "solver": solver, "emitter.particles": max(2, -(-segments // part) + 1),
+                "time.substeps": max(1, steps // part), **({"rod.iterations": most} if solver == "rod" else {}),
                 **({CELL: min(self.request.cells) * part / 2} if self.request.cells else {}),
             }
             for part in (4, 2, 1)
-        ]
+        ]  # fmt: skip
 
     def prepare(self, step: Callable[[str], None]) -> dict[str, Any]:
         """Find each solver's limit, and how well it is known."""
@@ -278,8 +276,6 @@ def apart(a: Array, b: Array, lengths: NDArray[np.floating]) -> dict[str, float]
     away = np.linalg.norm(a - b, axis=-1) / np.asarray(lengths, np.float64)[:, None]
     each = np.sqrt(np.mean(away**2, axis=(0, 2)))
     return {
-        "median": float(np.median(each)),
-        "p95": float(np.percentile(each, 95)),
-        "rms": float(np.sqrt(np.mean(away**2))),
-        "max": float(away.max()),
-    }
+        "median": float(np.median(each)), "p95": float(np.percentile(each, 95)),
+        "rms": float(np.sqrt(np.mean(away**2))), "max": float(away.max()),
+    }  # fmt: skip

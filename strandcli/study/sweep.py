@@ -85,18 +85,11 @@ def run(
     margins = experiment.margins()
     names = dict.fromkeys([metric, *(name for point in points for name in point.error)])
     return Study(
-        axis=axis.axis,
-        name=request.name,
-        title=experiment.title,
-        metric=metric,
-        unit=experiment.unit,
-        reference=reference,
-        margins=margins,
-        points=points,
-        absent=experiment.absent,
+        axis=axis.axis, name=request.name, title=experiment.title, metric=metric, unit=experiment.unit,
+        reference=reference, margins=margins, points=points, absent=experiment.absent,
         orders=[one for name in names for one in orders(points, name)],
         recommended=recommendations(points, metric, margins, max_error),
-    )
+    )  # fmt: skip
 
 
 def recommendations(
@@ -111,15 +104,10 @@ def recommendations(
             if found is None or (max_error is None and found is seen):
                 continue
             seen = found
-            out.append(
-                {
-                    "max_error": most,
-                    "parameters": dict(found.parameters),
-                    "seconds": found.seconds,
-                    "error": found.error[metric],
-                    "margin": margins.get(solver, 0.0),
-                }
-            )
+            out.append({
+                "max_error": most, "parameters": dict(found.parameters), "seconds": found.seconds,
+                "error": found.error[metric], "margin": margins.get(solver, 0.0),
+            })  # fmt: skip
     return out
 
 

@@ -106,10 +106,8 @@ class Windows(Subject):
         super().move()
         if self.windows:
             return
-        whole, corner = (
-            self.draw_whole(changed(self.scene, {"image.aovs": ("mask",)})),
-            (self.scene.image.crop or (0, 0)),
-        )
+        whole = self.draw_whole(changed(self.scene, {"image.aovs": ("mask",)}))
+        corner = self.scene.image.crop or (0, 0)
         number = WINDOWS if self.scene.emitter.strands * self.scene.emitter.particles < MANY else WINDOWS // 2
         self.windows, self.mean, tiles = spread(whole.aovs["mask"], whole.image, corner[:2], number)
         if not self.windows:

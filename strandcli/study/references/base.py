@@ -83,20 +83,14 @@ def preset(
 ) -> dict[str, Any]:
     """A preset of rods in a field of gravity and nothing else. ``rigidity`` is B / (ρ A) in m⁴/s²."""
     return {
-        "seed": 0,
-        "time": {"preroll": 0},
+        "seed": 0, "time": {"preroll": 0},
         "emitter": {"shape": {"kind": "disc", "radius": 1e-6}, "strands": strands, "particles": particles, **more},
         "rules": [{"gravity": {"acceleration": [0.0, -gravity, 0.0]}}, "elasticity"],
         "rod": {
-            "density": DENSITY,
-            "radius": RADIUS,
-            "young": max(4 * DENSITY * rigidity / RADIUS**2, 1e-9),
-            "rest": "straight",
-            "drag": drag,
-            "damping": 0.0,
-            "friction": 0.0,
+            "density": DENSITY, "radius": RADIUS, "young": max(4 * DENSITY * rigidity / RADIUS**2, 1e-9),
+            "rest": "straight", "drag": drag, "damping": 0.0, "friction": 0.0,
         },
-    }
+    }  # fmt: skip
 
 
 def groom(
@@ -110,11 +104,9 @@ def groom(
     unit /= np.linalg.norm(unit, axis=1, keepdims=True)
     count = len(lengths)
     return Groom(
-        np.zeros((count, 3), np.float32) if roots is None else np.asarray(roots, np.float32),
-        unit.astype(np.float32),
-        np.asarray(lengths, np.float32),
-        np.zeros(count, np.float32),
-    )
+        np.zeros((count, 3), np.float32) if roots is None else np.asarray(roots, np.float32), unit.astype(np.float32),
+        np.asarray(lengths, np.float32), np.zeros(count, np.float32),
+    )  # fmt: skip
 
 
 def off(measured: float, exact: float) -> float:

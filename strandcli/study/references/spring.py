@@ -9,12 +9,12 @@ and bends by R³ / (3 EI); what the wire itself weighs is added by quadrature. T
 from __future__ import annotations
 
 import math
+from dataclasses import replace
 
 import numpy as np
 from numpy.typing import NDArray
 
-from ...groom.record import Groom
-from .base import Case, Errors, G, Reference, Track, off, preset
+from .base import Case, Errors, G, Reference, Track, groom, off, preset
 
 R, CLIMB, TURNS = 0.05, 0.1, 3.0
 """Radius of the coil, its climb in radii a turn, and its turns, about."""
@@ -96,11 +96,7 @@ def case(particles: int) -> Case:
     corners = coil(arm)
     edges = np.diff(corners, axis=0) / (R / arm)
     tangent = np.array([[0.0, -CLIMB / (2 * math.pi), 1.0]])
-    length = len(edges) * R / arm
-    made = Groom(
-        np.zeros((1, 3), np.float32), (tangent / np.linalg.norm(tangent)).astype(np.float32),
-        np.array([length], np.float32), np.zeros(1, np.float32), edges=edges[None],
-    )  # fmt: skip
+    made = replace(groom(tangent, [len(edges) * R / arm]), edges=edges[None])
     settings = preset(bending(arm), 1, len(corners), drag=120.0)
     settings["rod"] |= {"rest": "shape", "torsion": TORSION}
     settings["time"]["fps"] = 480

@@ -66,12 +66,10 @@ class Verdict:
     def as_dict(self) -> dict[str, Any]:
         """For JSON, numbers to four digits."""
         return {
-            "name": self.name,
-            "parameters": dict(self.parameters),
-            "metrics": {key: float(f"{value:.4g}") for key, value in self.metrics.items()},
-            "verdict": self.verdict,
+            "name": self.name, "parameters": dict(self.parameters),
+            "metrics": {key: float(f"{value:.4g}") for key, value in self.metrics.items()}, "verdict": self.verdict,
             "why": self.why,
-        }
+        }  # fmt: skip
 
 
 def unjudged_of(case: Case) -> dict[str, str]:
@@ -164,12 +162,9 @@ class Result:
     def as_dict(self) -> dict[str, Any]:
         """For JSON."""
         return {
-            "solver": ",".join(self.solvers),
-            "cases": [one.as_dict() for one in self.verdicts],
-            "summary": self.summary,
-            "passed_after_all": self.passed_after_all,
-            "seconds": round(self.seconds, 1),
-        }
+            "solver": ",".join(self.solvers), "cases": [one.as_dict() for one in self.verdicts],
+            "summary": self.summary, "passed_after_all": self.passed_after_all, "seconds": round(self.seconds, 1),
+        }  # fmt: skip
 
 
 def tasks(solvers: Sequence[str], quick: bool = False) -> list[Task]:
