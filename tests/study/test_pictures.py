@@ -11,13 +11,11 @@ import pytest
 
 import strandcli
 from cli_runs import Runner
-from strandcli.draw.view.camera import axes, camera_view
-from strandcli.scene.model import Camera
+from strandcli.draw.view.camera import axes
 from strandcli.study.axes import Request, changed, knows
 from strandcli.study.kernels import cylinders
-from strandcli.study.pictures.shadow import ShadowStudy, frames_along, pieces_of
-from strandcli.study.pictures.subject import Subject, seen_at
-from tests.draw.view.test_camera import exact
+from strandcli.study.pictures.shadow import ShadingRenderer, ShadowStudy, frames_along, pieces_of
+from strandcli.study.pictures.subject import Subject
 
 SMALL = """\
 title: a small brush
@@ -97,14 +95,16 @@ def test_shadow_is_measured_apart_from_how_strands_scatter(tmp_path: Path) -> No
     assert found[0][1]["transmittance"] < 0.1
 
 
-@pytest.mark.parametrize("kind", ["perspective", "orthographic"])
-def test_places_in_pixels_are_seen_there(kind: str) -> None:
-    camera = Camera(kind=kind, position=(0.3, 0.2, 4.0), height=2.0)
-    view = camera_view(camera, 0.0, 32, 24, np.array([[-1.0] * 3, [1.0] * 3]))
-    pixels, depth = np.array([[3, 5], [30, 0], [16, 23]]), np.array([1.0, 4.0, 2.5])
-    found, away = exact(view, seen_at(view, pixels, depth))
-    np.testing.assert_allclose(found, pixels + 0.5)
-    np.testing.assert_allclose(away, depth)
+def test_light_at_vertices_is_the_same_however_many_bands_of_rows_a_picture_has(tmp_path: Path) -> None:
+    (tmp_path / "brush.yaml").write_text(SMALL)
+    subject = Subject(Request(strandcli.load(str(tmp_path / "brush.yaml"), ["image.resolver=sorted"]), "brush"))
+    subject.move()
+    whole, bands = (ShadingRenderer(subject.scene, subject.groom) for _ in range(2))
+    bands.coverage.room = subject.draw(subject.scene, 1, whole).counts["fragments"] // 3
+    assert subject.draw(subject.scene, 1, bands).counts["fragments"] > 2 * bands.coverage.room
+    for one, other in zip(whole.vertices(0.0), bands.vertices(0.0), strict=True):
+        assert len(one)
+        np.testing.assert_array_equal(one, other)
 
 
 def test_settings_by_path() -> None:

@@ -7,7 +7,8 @@ as pictures of hair much thinner than a pixel show it.
 
 from __future__ import annotations
 
-from typing import Any
+from dataclasses import replace
+from typing import Any, NamedTuple
 
 import numpy as np
 from numpy.typing import NDArray
@@ -16,6 +17,7 @@ from ...common.registry import SHADOWS
 from ...draw.common.scratch import Scratch
 from ...draw.geometry.curves import Polylines, flatten
 from ...draw.geometry.extent import Thickness
+from ...draw.strand_batches import StrandBatch
 from ...errors import UsageError
 from ...groom.emit import PLASTIC
 from ...scene.model import DirectionalLight, Light, Scene
@@ -23,7 +25,7 @@ from ..axes import Request, changed, knows
 from ..kernels import cylinders
 from ..points import Parameters
 from . import Pictures
-from .subject import Picture, seen_at
+from .subject import LinearRenderer, Picture
 
 PROBES = 400
 RAYS = 2048
@@ -31,9 +33,55 @@ RAYS = 2048
 BUNDLE = 1.5
 """Radius of a probe's bundle of rays, in distances between strands there."""
 DARK = 1e-6
-"""Light below which a pixel tells nothing."""
+"""Light below which a vertex tells nothing."""
 BEYOND = 1e9
 """Metres: a bias behind which nothing is, for the light without a map's shade."""
+
+
+class Vertices(NamedTuple):
+    """Vertices of strands that a picture shows."""
+
+    light: NDArray[np.float64]
+    """(n,) of red, green and blue together."""
+    numbers: NDArray[np.int64]
+    """(n,) ascending."""
+    places: NDArray[np.float64]
+    """(n, 3) metres."""
+    strands: NDArray[np.int64]
+    """(n,) that they are on."""
+
+
+class ShadingRenderer(LinearRenderer):
+    """Keeps the light at vertices: those of strands behind others too, which pictures of thin strands show as well."""
+
+    def draw(self, *args: Any, **kwargs: Any) -> Any:
+        self.shaded: dict[int, tuple[Polylines, NDArray[np.float32]]] = {}
+        """By the first strand of a batch; NaN where no light was needed."""
+        return super().draw(*args, **kwargs)
+
+    def shade(self, lighting: Any, batch: StrandBatch, *rest: Any) -> NDArray[np.float32]:
+        lines, begin = batch.lines, batch.begin
+        self.scratch.borrow("colours", (len(lines.world), 3), np.float32).fill(np.nan)
+        colours = super().shade(lighting, batch, *rest)
+        if begin in self.shaded:  # the picture's next rows show others of the same strands
+            kept = self.shaded[begin][1]
+            np.copyto(kept, colours, where=np.isnan(kept))
+        else:
+            lines = replace(lines, first=lines.first.copy(), world=lines.world.copy())
+            self.shaded[begin] = lines, colours.copy()
+        return colours
+
+    def vertices(self, least: float) -> Vertices:
+        """The vertices whose light was needed and is above ``least``."""
+        found: list[tuple[NDArray[Any], ...]] = []
+        vertex = strand = 0
+        for lines, colours in self.shaded.values():
+            light = colours.sum(1, dtype=np.float64)
+            seen = np.flatnonzero(light > least)
+            strands = np.searchsorted(lines.first, seen, "right") - 1
+            found.append((light[seen], vertex + seen, lines.world[seen].astype(np.float64), strand + strands))
+            vertex, strand = vertex + len(lines.world), strand + len(lines.first) - 1
+        return Vertices(*map(np.concatenate, zip(*found, strict=True)))
 
 
 class ShadowStudy(Pictures):
@@ -70,15 +118,11 @@ class ShadowStudy(Pictures):
         """Rays from points that are seen and lit."""
         rng = np.random.default_rng(0)
         lit = self._light({f"{self.path}.model": "minmax", f"{self.path}.size": 8, f"{self.path}.bias": BEYOND})
-        strands, light = lit.aovs["strand_id"], lit.image.sum(2)
-        seen = np.argwhere((strands >= 0) & (light > DARK))
-        if not len(seen):
+        if not len(lit.numbers):
             raise UsageError(f"{self.subject.name}: light {self.light} reaches no strand that is seen")
-        chosen = rng.permutation(seen)[:PROBES]
-        self.at = rows, columns = chosen[:, 0], chosen[:, 1]
-        self.lit, own = light[self.at], strands[self.at].astype(np.int64)
-        depth = lit.aovs["depth"][self.at].astype(np.float64)
-        points = seen_at(self.subject.view(self.scene), np.stack([columns, rows], 1), depth)
+        chosen = rng.permutation(len(lit.numbers))[:PROBES]
+        self.lit, self.numbers = lit.light[chosen], lit.numbers[chosen]
+        points, own = lit.places[chosen], lit.strands[chosen]
         spacing = self.subject.spacing_at(points, own)
         scene, subject = self.scene, self.subject
         lines = flatten(*subject.whole(), subject.groom.strands, scene.curves, subject.view(scene), True, Scratch())
@@ -100,14 +144,17 @@ class ShadowStudy(Pictures):
         """Mean of the absolute difference of transmittance, signed mean, 95th percentile."""
         found = np.ones(len(self.truth))
         if parameters[f"{self.path}.model"] != "off":
-            found = self._light(parameters).image.sum(2)[self.at] / self.lit
+            light = self._light(parameters, -1.0)
+            found = light.light[np.searchsorted(light.numbers, self.numbers)] / self.lit
         off = found - self.truth
         return {"transmittance": float(np.abs(off).mean()), "bias": float(off.mean()),
                 "p95": float(np.percentile(np.abs(off), 95))}  # fmt: skip
 
-    def _light(self, parameters: Parameters) -> Picture:
-        """The light on white strands, a strand a pixel."""
-        return self.subject.draw(changed(matt(alone(self.scene, self.light)), parameters), draws=1)
+    def _light(self, parameters: Parameters, least: float = DARK) -> Vertices:
+        """The vertices of white strands that the picture shows, lit by more than ``least``."""
+        renderer = ShadingRenderer(changed(matt(alone(self.scene, self.light)), parameters), self.subject.groom)
+        self.subject.draw(renderer.scene, 1, renderer)
+        return renderer.vertices(least)
 
 
 def bundle(rays: int, radius: float, rng: np.random.Generator) -> NDArray[np.float64]:
@@ -166,13 +213,9 @@ def alone(scene: Scene, light: int) -> Scene:
 
 
 def matt(scene: Scene) -> Scene:
-    """A scene whose strands scatter what reaches them evenly and colourlessly and are lit by lamps alone, a strand a
-    pixel, with layers that tell which one and where it is."""
+    """A scene whose strands scatter what reaches them evenly and colourlessly, and are lit by lamps alone."""
     settings = {"material.colour": (1.0, 1.0, 1.0), "material.tip_colour": None, "material.colour_variation": 0.0,
                 "material.specular": 0.0, "material.scatter": "diffuse", "material.diffuse": 1.0,
                 "material.pigment": "rgb", "material.eumelanin": None, "material.pheomelanin": None,
-                "material.grey": 0.0, "material.rounded": False, "image.resolver": "zbuffer",
-                "image.supersample": 1, "image.crop": None, "image.haze": None, "image.aovs": ("depth", "strand_id"),
-                "camera.aperture": 0.0, "camera.shutter": 0.0, "ambient": (0.0, 0.0, 0.0),
-                "environment": None}  # fmt: skip
+                "material.grey": 0.0, "ambient": (0.0, 0.0, 0.0), "environment": None}  # fmt: skip
     return changed(scene, {path: value for path, value in settings.items() if knows(scene, path)})

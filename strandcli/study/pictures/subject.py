@@ -171,14 +171,6 @@ class Subject:
         return Picture(renderer.linear, seconds, dict(drawing.counts), drawing.image, drawing.aovs)
 
 
-def seen_at(view: View, pixels: NDArray[np.integer], depth: NDArray[np.floating]) -> NDArray[np.float64]:
-    """(n, 3) the places at depths (n,) in the middles of pixels (n, 2) of a view."""
-    x, y = (pixels + 0.5 - view.middle).T
-    aside = (x[:, None] * view.right - y[:, None] * view.up) / view.focal
-    reach = depth[:, None] if view.perspective else 1.0
-    return np.asarray(view.eye + depth[:, None] * view.forward + reach * aside)
-
-
 def _small(size: tuple[int, int]) -> tuple[int, int]:
     """A picture's size at about `PIXELS` pixels, its shape kept; a smaller one as it is."""
     share = min(1.0, math.sqrt(PIXELS / (size[0] * size[1])))
