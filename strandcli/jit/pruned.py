@@ -12,10 +12,11 @@ from numba.extending import overload
 from . import BARE, LEAN
 
 
-def by_type(choose: Callable[..., Any], **options: Any) -> Any:
-    """A decorator: kernels that call the function call what it returns for the types of its arguments (Numba's
-    `overload`, with its ``options``)."""
-    return overload(choose, **options)(choose)
+def by_type(choose: Callable[..., Any], inline: bool = False, strict: bool = True) -> Any:
+    """A decorator: kernels that call the function call what it returns for the types of its arguments, compiled as
+    `device` or, with ``inline``, as `inlined`; ``strict``: of the same parameters."""
+    options: dict[str, Any] = LEAN | BARE | {"forceinline": inline}
+    return overload(choose, jit_options=options, strict=strict)(choose)  # type: ignore[arg-type]
 
 
 def device_where(needed: Callable[[Any], bool], otherwise: Any) -> Any:

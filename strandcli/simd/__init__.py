@@ -57,6 +57,7 @@ from .memory import (
     load,
     load3,
     load_deinterleaved,
+    padded,
     pointer,
     prefetch,
     prefetch3,

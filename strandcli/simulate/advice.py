@@ -13,7 +13,7 @@ from ..scene.fields import settings_of
 from ..scene.model import Rod
 from ..scene.motion import emitter_pose, own_pose, solid_pose
 from ..scene.rule_type import touched
-from ..solids.shapes import other, other_code
+from ..solids import custom
 from .rod.material import matter_along, stiffness, torsion
 from .rod.rest_shape import coiled, hold, unit_edges
 from .rod.surroundings import gravity
@@ -239,7 +239,7 @@ def depth(points: Floats, solid: Any, emitter: Emitter, time: float = 0.0) -> Fl
     """Return (k,) the depth of points (k, 3) below a solid's surface at a time; outside it is at most 0 and not less
     than the negative distance."""
     if solid.kind not in solids.SHAPES:
-        row = other.pack([solid], [solid_pose(solid, emitter, time)], np.float64)[0]
-        return other_code.depth(solid, row, points, time)
+        row = custom.pack([solid], [solid_pose(solid, emitter, time)], np.float64)[0]
+        return custom.depth(solid, row, points, time)
     row = solids.pack(solid.kind, [solid], emitter, time, np.float64)[0]
     return np.asarray(solids.SHAPES[solid.kind].depth(row, points))

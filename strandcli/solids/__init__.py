@@ -2,8 +2,7 @@
 
 `Solids` holds all of them at one moment as the numbers that kernels take. What belongs to one shape stands in one file
 in `shapes` (rows, bounds) and one in `kernels` (rays, normals, depth, contact). Nothing imported here is compiled.
-Other shapes, of `strandcli.solid_shapes` and of other packages (`register`), have all of theirs in one file and come
-together as `others`.
+Custom shapes, of `strandcli.solid_shapes` and of other packages (`register`), have all of theirs in one file.
 """
 
 from __future__ import annotations
@@ -16,10 +15,10 @@ from numpy.typing import NDArray
 
 from ..scene.model.solids import add as register
 from ..scene.motion import Pose, solid_pose
-from .shapes import box, capsule, other, other_code, plane, sphere
+from .shapes import box, capsule, plane, sphere
 
 __all__ = [
-    "COLUMNS", "SHAPES", "Solids", "in_order", "joined_with", "numbers", "others", "pack",
+    "COLUMNS", "SHAPES", "Solids", "custom_of", "in_order", "joined_with", "numbers", "pack",
     "pack_all", "register",
 ]  # fmt: skip
 
@@ -46,31 +45,37 @@ class Solids(NamedTuple):
 
 
 def pack_all(solids: Sequence[Any], emitter: Any, time: float, dtype: Any = np.float32) -> Solids:
-    """Solids of every kind packed at a time in seconds; with a fifth field where there are `others`."""
-    rows, found = [pack(kind, list(solids), emitter, time, dtype) for kind in SHAPES], others(solids)
+    """Solids of every kind packed at a time in seconds; with a fifth field where there are custom ones."""
+    rows, found = [pack(kind, list(solids), emitter, time, dtype) for kind in SHAPES], custom_of(solids)
     if not found:
         return Solids(*rows)
-    rows.append(other.pack(found, [solid_pose(one, emitter, time) for one in found], dtype))
-    return joined_with(solids, rows, other.data_of(found, time))
+    from .custom import data_of
+    from .custom import pack as pack_custom
+
+    rows.append(pack_custom(found, [solid_pose(one, emitter, time) for one in found], dtype))
+    return joined_with(solids, rows, data_of(found, time))
 
 
 def joined_with(solids: Sequence[Any], rows: Sequence[NDArray[Any]], data: Sequence[NDArray[Any]] = ()) -> Solids:
-    """The packed rows of each kind of ``solids``, those of `others` last, with the data of their shapes."""
-    found = others(solids)
+    """The packed rows of each kind of ``solids``, those of custom ones last, with the data of their shapes."""
+    found = custom_of(solids)
     if not found:
         return Solids(*rows)
-    made: Solids = other_code.type_of(solids, found)(*rows, *data)
+    from .custom import module_for
+
+    module = module_for(found)
+    made: Solids = (module.Solids if len(solids) > len(found) else module.LoneSolids)(*rows, *data)
     return made
 
 
-def others(solids: Sequence[Any]) -> list[Any]:
+def custom_of(solids: Sequence[Any]) -> list[Any]:
     """Those of solids whose shape has no kernels of its own."""
     return [one for one in solids if one.kind not in SHAPES]
 
 
 def in_order(solids: Sequence[Any]) -> list[Any]:
     """Solids in the order in which `Solids` numbers them."""
-    return [one for kind in SHAPES for one in solids if one.kind == kind] + others(solids)
+    return [one for kind in SHAPES for one in solids if one.kind == kind] + custom_of(solids)
 
 
 def pack(kind: str, solids: list[Any], emitter: Any, time: float, dtype: Any = np.float32) -> NDArray[Any]:

@@ -144,7 +144,7 @@ def test_an_entry_follows_the_text_of_all_modules_that_a_kernel_is_made_of(
     package = tmp_path / "strandcli"
     shutil.copytree(sources.ROOT, package, ignore=shutil.ignore_patterns("__pycache__"))
     monkeypatch.setattr(sources, "ROOT", str(package))
-    kernel, written = "strandcli.draw.coverage.kernels.resolve", "strandcli.solids.shapes.other_code"
+    kernel, written = "strandcli.draw.coverage.kernels.resolve", "strandcli.solids.custom"
     counting = ("simd/lanes.py", "constants.py", "jit/__init__.py", "draw/coverage/kernels/resolve.py")
     others = (
         "pipeline.py", "__init__.py", "jit/cache.py", "jit/kept.py", "compiling/service.py", "simulate/rules/wind.py",

@@ -10,8 +10,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from ...scene.motion import solid_pose
-from ...solids import COLUMNS, SHAPES, Solids, in_order
-from ...solids.shapes import other
+from ...solids import COLUMNS, SHAPES, Solids, custom, in_order
 from ..view.camera import View
 
 NONE = Solids(*(np.zeros((0, 1), np.float32),) * len(COLUMNS))
@@ -29,7 +28,7 @@ def frames_of(packed: Solids, view: View) -> NDArray[np.int64]:
 
 
 def rows_of(packed: Solids) -> Iterator[tuple[str, NDArray[np.float64]]]:
-    """Yield the kind and the row of each packed solid, in order; the kind is "" for those of `others`."""
+    """Yield the kind and the row of each packed solid, in order; the kind is "" for custom ones."""
     for kind, rows in zip((*SHAPES, ""), packed, strict=False):
         for row in rows.astype(np.float64):
             yield kind, row
@@ -37,7 +36,7 @@ def rows_of(packed: Solids) -> Iterator[tuple[str, NDArray[np.float64]]]:
 
 def ball_of(kind: str, row: NDArray[np.float64]) -> tuple[NDArray[np.float64], float]:
     """Return centre and radius of a bounding ball of a packed solid that is not a plane."""
-    found: tuple[NDArray[np.float64], float] = (SHAPES[kind] if kind else other).ball(row)
+    found: tuple[NDArray[np.float64], float] = (SHAPES[kind] if kind else custom).ball(row)
     return found
 
 

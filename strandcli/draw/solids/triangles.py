@@ -3,15 +3,14 @@
 from __future__ import annotations
 
 import math
-import sys
 from typing import Any, NamedTuple
 
 import numpy as np
 from numpy.typing import NDArray
 
 from ...scene.model.solids import shape_of
-from ...solids import Solids
-from ...solids.shapes import other
+from ...solids import Solids, custom
+from ...solids.kernels.custom import distances
 from ..common.kernels.keys import FIRST
 from ..view.camera import View
 from .kernels import triangles as kernels
@@ -35,31 +34,30 @@ class Surface(NamedTuple):
 
 def surfaces(solids: Solids, view: View) -> list[Surface]:
     """The solids that consist of triangles, and that no ray of the view may begin in."""
-    kinds = getattr(type(solids), "kinds", ())
+    kinds = getattr(getattr(type(solids), "custom_class", None), "kinds", ())
     first = sum(len(one) for one in solids[:4])
     found = []
-    rows = getattr(solids, "others", ())
+    rows = getattr(solids, "custom", ())
     for m, row in enumerate(rows):
-        place = int(row[other.KIND])
+        place = int(row[custom.KIND])
         shape: Any = shape_of(kinds[place])
         if getattr(shape, "triangles", None) is None or _begins_inside(solids, m, row, view):
             continue
         data = shape.Data(*(getattr(solids, f"data_{place}_{name}") for name in shape.Data._fields))
-        found.append(Surface(first + m, row, shape.triangles(row[other.NUMBERS :], data)))
+        found.append(Surface(first + m, row, shape.triangles(row[custom.NUMBERS :], data)))
     return found
 
 
-def _begins_inside(solids: Solids, m: int, row: NDArray[np.float32], view: View) -> bool:
+def _begins_inside(solids: Any, m: int, row: NDArray[np.float32], view: View) -> bool:
     """Whether a ray may begin inside of solid m of those with such rows, where it meets nothing."""
     off = view.eye - row[:3]
     away = float(np.linalg.norm(off)) if view.perspective else abs(float(off @ view.forward))
-    if away > NEAR * row[other.REACH]:
+    if away > NEAR * row[custom.REACH]:
         return False
     if not view.perspective:
         return True
-    module = sys.modules[type(solids).__module__]
     found = np.empty(1, np.float32)
-    module.distances(module.Others(*solids[4:]), m, view.eye.astype(np.float32)[None], found)
+    distances(type(solids).custom_class(*solids[4:]), m, view.eye.astype(np.float32)[None], found)
     return bool(found[0] < 0)
 
 
@@ -85,10 +83,10 @@ def draw(
 
 def _rays(row: NDArray[np.float32], frame: NDArray[np.int64], view: View) -> Rays:
     """The rays of a view in the frame of a solid's row."""
-    turn = row[other.ROW_X : other.REACH].reshape(3, 3).astype(np.float64)
+    turn = row[custom.ROW_X : custom.REACH].reshape(3, 3).astype(np.float64)
     place = row[:3].astype(np.float64)
     off = view.eye - place
-    size = np.linalg.norm(view.eye) + np.linalg.norm(place) + np.linalg.norm(off) + 2 * float(row[other.REACH])
+    size = np.linalg.norm(view.eye) + np.linalg.norm(place) + np.linalg.norm(off) + 2 * float(row[custom.REACH])
     longest = 1.0
     if view.perspective:
         (x, y), edges = view.middle, frame.astype(np.float64)

@@ -10,7 +10,7 @@ from ...jit import device, inlined
 from ...simd import broadcast, floor, gather8, lane_count, load, load3, movemask, pointer, sqrt, store, store3
 from ...simd.turning import cosine_sine
 from .inputs import ONSET, ROUNDNESS
-from .keep_out import keep_lane_out, reach_on, slide_out, takes_slopes
+from .keep_out import keep_lane_out, move_out
 
 ZERO = np.float32(0.0)
 ONE = np.float32(1.0)
@@ -92,9 +92,9 @@ def write_strands(waves, solids, solid, paths, size, scratch, out, b, k):
     for j in range(2, m + 1):
         nx, ny, nz = hx, hy, hz
         if j < m:
-            before = target
+            past = target
             target = on_path(paths, size, share, np.float32(j), np.float32(m))
-            nx, ny, nz = next_point((hx, hy, hz), before, target, pace)
+            nx, ny, nz = next_point((hx, hy, hz), past, target, pace)
         vx, vy, vz = hx, hy, hz
         if waves.forms.shape[0] > 0:
             ax, ay, az, tx, ty, tz = carried_across(ax, ay, az, nx - bx, ny - by, nz - bz)
@@ -110,14 +110,9 @@ def write_strands(waves, solids, solid, paths, size, scratch, out, b, k):
             reach = load(own, REACH * W + k) - rest
             left = movemask(~(reach > 0.0))
             if left != 0:
-                if takes_slopes(solids):
-                    px, py, pz, reach, left = slide_out(
-                        solids, (px, py, pz), load3(x, top + (j - 1) * 3 * W, W), rest, reach
-                    )
-                    store3(x, top + j * 3 * W, W, px, py, pz)
-                else:
-                    reach = max(reach, reach_on(solids, px, py, pz, rest))
-                    left = movemask(~(reach > 0.0))
+                before = load3(x, top + (j - 1) * 3 * W, W)
+                px, py, pz, reach, left = move_out(solids, (px, py, pz), before, rest, reach)
+                store3(x, top + j * 3 * W, W, px, py, pz)
             store(own, REACH * W + k, reach)
             if left != 0:
                 for lane in range(k, k + lane_count(x)):

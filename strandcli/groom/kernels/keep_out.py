@@ -2,14 +2,17 @@
 
 from __future__ import annotations
 
+import functools
 import math
 
 import numpy as np
 
 from ...constants import W
-from ...jit import device, inlined
+from ...jit import device
+from ...jit.pruned import by_type
 from ...simd import any_lane, broadcast, movemask, sqrt, where
-from ...solids.kernels import built_in, other
+from ...solids.kernels import built_in, custom
+from ...solids.kernels.built_in import may_be_there
 from ...solids.kernels.outside import deepest_in_shapes, outside
 
 ZERO = np.float32(0.0)
@@ -35,22 +38,34 @@ FAR = np.float32(1e6)
 def reach_on(solids, x, y, z, rest):
     """Return how far strands may go on from particles before any solid can be met, metres; 0 where that is not known.
     Vectors of lanes."""
-    none = broadcast(x, -FAR)
-    reach = max(-FREE * deepest_in_shapes(solids, x, y, z, none) - CLEAR * rest, ZERO)
-    if other.count(solids) == 0:
-        return reach
-    if not other.takes_vectors(solids):
-        return rest - rest
-    return min(reach, max(-SURE * (other.deepen(solids, x, y, z, none) + CLEAR * rest), ZERO))
+    reach = max(-FREE * deepest_in_shapes(solids, x, y, z, broadcast(x, -FAR)) - CLEAR * rest, ZERO)
+    return reach_past_custom(solids, x, y, z, rest, reach)
 
 
-@device
-def takes_slopes(solids):
-    """Return whether `slide_out` can be called."""
-    return other.has_slopes(solids) and built_in.count(solids) == 0
+@custom.by_form(lambda solids, x, y, z, rest, reach: reach)
+def reach_past_custom(form):
+    """The same, of custom solids, where it is ``reach`` without them."""
+    if form.distances_in_own is None:
+        return lambda solids, x, y, z, rest, reach: rest - rest
+    return lambda solids, x, y, z, rest, reach: min(
+        reach, max(-SURE * (custom.deepen(solids, x, y, z, broadcast(x, -FAR)) + CLEAR * rest), ZERO)
+    )
 
 
-@inlined
+def stay(solids, p, o, rest, reach):
+    """`slide_out` where no particle is moved."""
+    reach = max(reach, reach_on(solids, p[0], p[1], p[2], rest))
+    return p[0], p[1], p[2], reach, movemask(~(reach > 0.0))
+
+
+@functools.partial(by_type, inline=True)
+def move_out(solids, p, o, rest, reach):
+    """`slide_out` where all solids are custom ones whose distances have gradients, else `stay`."""
+    form = custom.form_of(solids)
+    slides = form is not None and form.slopes_in_own is not None and not may_be_there(solids)
+    return slide_out if slides else stay
+
+
 def slide_out(solids, p, o, rest, reach):
     """Return particles p, moved along solids to where they are outside and at the distance ``rest`` from the particles
     before them, o; how far strands may go on from there before any solid can be met; and in which lanes, as bits, that
@@ -59,7 +74,7 @@ def slide_out(solids, p, o, rest, reach):
     A solid is taken to be flat about a particle, and looked at again where the particle has come to lie."""
     x, y, z = p
     clear = CLEAR * rest
-    away, nx, ny, nz = other.nearest_slope(solids, x, y, z)
+    away, nx, ny, nz = custom.nearest_slope(solids, x, y, z)
     reach = max(reach, max(SURE * (away - clear), ZERO))
     touching = ~(reach > ZERO)
     lost = np.uint64(0)
@@ -79,7 +94,7 @@ def slide_out(solids, p, o, rest, reach):
             x = where(moved, o[0] + up * nx + f * tx, x)
             y = where(moved, o[1] + up * ny + f * ty, y)
             z = where(moved, o[2] + up * nz + f * tz, z)
-            away, nx, ny, nz = other.nearest_slope(solids, x, y, z)
+            away, nx, ny, nz = custom.nearest_slope(solids, x, y, z)
             touching = touching & (clear - away > SLACK * clear)
             if not any_lane(touching):
                 break
@@ -93,8 +108,8 @@ def keep_lane_out(rows, b, j, lane, rest, solids):
     x = rows[b, j, lane]
     y = rows[b, j, W + lane]
     z = rows[b, j, 2 * W + lane]
-    if built_in.count(solids) == 0 and not other.takes_vectors(solids):
-        reach = SURE * (other.least_distance(solids, x, y, z) - CLEAR * rest)
+    if built_in.count(solids) == 0 and not custom.takes_vectors(solids):
+        reach = SURE * (custom.least_distance(solids, x, y, z) - CLEAR * rest)
         if reach > ZERO:
             return reach
     ox = rows[b, j - 1, lane]

@@ -15,7 +15,7 @@ from ...compiling import runtime
 from ...compiling.folder import module_of
 from ...constants import VECTOR
 from ...groom.blocks import aligned
-from ...solids.shapes.other_code import module_for
+from ...solids.custom import module_for
 from .kernels import step, work_queue
 from .kernels.arrays import PACK, Drive, Material, Needs, State, Step
 from .kernels.scratch import vectors_for
@@ -61,7 +61,7 @@ from typing import Any, NamedTuple
 from strandcli.jit import device, function
 from strandcli.simd import fused_pointer
 from strandcli.simulate.rod.kernels.step import contact_of, work
-from {solids} import Others, deepest, distance, drift, normal
+from {solids} import Custom as Shapes
 
 
 class Custom(NamedTuple):
@@ -72,13 +72,13 @@ class Custom(NamedTuple):
     columns: Any
 
 
-Custom.distance, Custom.normal, Custom.deepest, Custom.drift = distance, normal, deepest, drift
+Custom.shapes = Shapes
 
 
 @device
 def custom_of(solids):
     rows = solids[4]
-    return Custom(Others(fused_pointer(rows){data}), rows.size, rows.shape[1])
+    return Custom(Shapes(fused_pointer(rows){data}), rows.size, rows.shape[1])
 
 
 @function
@@ -90,7 +90,7 @@ def step(state, material, drive, step, needs, solids, scratch, queue, worker):
 def step_among(custom: Sequence[Any]) -> Any:
     """`kernels.step.run` among solids of these kinds, whose rows and data follow those of the rest."""
     module = module_for(custom)
-    data = "".join(f", solids[{5 + place}]" for place in range(len(module.Others._fields) - 1))
+    data = "".join(f", solids[{5 + place}]" for place in range(len(module.Custom._fields) - 1))
     return _load(TEXT.format(solids=module.__name__, data=data)).step
 
 

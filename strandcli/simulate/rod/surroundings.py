@@ -17,8 +17,7 @@ from ...constants import W
 from ...errors import UsageError
 from ...scene.motion import Pose, emitter_pose, multiply, rotate, solid_pose
 from ...scene.rule_type import touched
-from ...solids import Solids
-from ...solids.shapes import other
+from ...solids import Solids, custom
 from ..rules import wind
 from .kernels.arrays import MOTION
 
@@ -58,11 +57,11 @@ class Surroundings:
         self.segments = bool(met) and any(one.segments for one in contacts)
         """Whether whole segments are kept out of solids, and not only particles."""
         kinds = {kind: [one for one in met if one.kind == kind] for kind in solids.COLUMNS}
-        self.custom = solids.others(met)
+        self.custom = solids.custom_of(met)
         """Solids without kernels of their own; their kind is "" here."""
         if self.custom:
             kinds[""] = self.custom
-        self.data = other.data_of(self.custom, scene.time.pose_time(0.0))
+        self.data = custom.data_of(self.custom, scene.time.pose_time(0.0))
         """The arrays of their shapes at the end of the last step."""
         packed = {kind: self._at_rest(kind, mine) for kind, mine in kinds.items()}
         self._packed = tuple(packed.values())
@@ -111,7 +110,7 @@ class Surroundings:
             motion = _between(solid_pose(one, emitter, past, inner), moved)
             row[:] = *self._numbers(one, moved, len(row) - MOTION), *flat(motion)
         if self.data:
-            found = other.data_of(self.custom, now, past)
+            found = custom.data_of(self.custom, now, past)
             if any(a is not b for a, b in zip(found, self.data, strict=True)):
                 self.data = found
         return self._packed
@@ -127,7 +126,7 @@ class Surroundings:
         """Return a solid's packed row."""
         if solid.kind in solids.COLUMNS:
             return solids.numbers(solid, pose)
-        found = other.numbers(solid, pose, self.custom)
+        found = custom.numbers(solid, pose, self.custom)
         return found + [0.0] * (columns - len(found))
 
     def _moves(self, solid: Any) -> bool:
@@ -136,7 +135,7 @@ class Surroundings:
     def _at_rest(self, kind: str, mine: list[Any]) -> NDArray[Any]:
         """Return (m, columns + `MOTION`) all solids of a kind at time 0 without motion, moving ones last."""
         mine = sorted(mine, key=self._moves)
-        columns = solids.COLUMNS[kind] if kind else other.columns_of(mine)
+        columns = solids.COLUMNS[kind] if kind else custom.columns_of(mine)
         rows = np.zeros((len(mine), columns + MOTION), self.dtype)
         for row, one in zip(rows, mine, strict=True):
             row[:columns] = self._numbers(one, solid_pose(one, self.scene.emitter, 0.0), columns)

@@ -52,14 +52,14 @@ def passes(parameters: Parameters, scene: Scene) -> list[Pass]:
 
     A plane that no particle is below is cut by no segment: it needs no pass of its own.
     """
-    from ...solids.shapes import other_code
+    from ...solids.kernels import custom
     from ..contact.kernels import segments
 
     met = chosen(parameters, scene)
     if not parameters.segments:
         return _ends(met)
     through = {"sphere": segments.sphere, "capsule": segments.capsule, "box": segments.box}
-    return _by_kind(met, through, lambda foreign: other_code.module_for(foreign).catch) + _ends(met)
+    return _by_kind(met, through, custom.catch) + _ends(met)
 
 
 def closing(parameters: Parameters, scene: Scene) -> list[Pass]:
@@ -79,35 +79,34 @@ def closing(parameters: Parameters, scene: Scene) -> list[Pass]:
 
 def _ends(met: list[Any]) -> list[Pass]:
     """One pass a kind of solid, for particles alone."""
-    from ...solids.kernels import box, capsule, plane, sphere
-    from ...solids.shapes import other_code
+    from ...solids.kernels import box, capsule, custom, plane, sphere
 
     points = {"sphere": sphere.collide, "capsule": capsule.collide, "plane": plane.collide, "box": box.collide}
-    return _by_kind(met, points, lambda foreign: other_code.module_for(foreign).collide)
+    return _by_kind(met, points, custom.collide)
 
 
-def _by_kind(met: list[Any], shipped: dict[str, Any], written: Callable[[list[Any]], Any]) -> list[Pass]:
+def _by_kind(met: list[Any], shipped: dict[str, Any], custom: Callable[..., None]) -> list[Pass]:
     """One pass for each kind of the solids that are ``met``, by the functions of ``shipped`` kinds, and one for those
-    without kernels of their own, by the function ``written`` for them."""
-    from ...solids import others, pack
+    without kernels of their own, by the function ``custom``."""
+    from ...solids import custom_of, pack
 
     def rows(kind: str) -> Callable[[Moment], Any]:
         return lambda moment: pack(kind, met, moment.scene.emitter, moment.pose_time)
 
     there = {solid.kind for solid in met}
     found = [Pass(function, rows(kind)) for kind, function in shipped.items() if kind in there]
-    foreign = others(met)
-    if foreign:
-        found.append(Pass(written(foreign), lambda moment: _foreign(foreign, moment)))
+    rest = custom_of(met)
+    if rest:
+        found.append(Pass(custom, lambda moment: _custom(rest, moment)))
     return found
 
 
-def _foreign(solids: list[Any], moment: Moment) -> Any:
+def _custom(solids: list[Any], moment: Moment) -> Any:
     """Return solids without kernels of their own, with the data of their shapes."""
     import numpy as np
 
     from ...scene.motion import solid_pose
-    from ...solids.shapes import other, other_code
+    from ...solids.custom import pack, together
 
     poses = [solid_pose(one, moment.scene.emitter, moment.pose_time) for one in solids]
-    return other_code.together(solids, other.pack(solids, poses, np.float32), moment.pose_time)
+    return together(solids, pack(solids, poses, np.float32), moment.pose_time)

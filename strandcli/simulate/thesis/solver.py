@@ -158,7 +158,7 @@ class ThesisSolver(Solver):
         self._distinct = list({id(one): one for one in self.passes}.values())
         places = {id(one): place for place, one in enumerate(self._distinct)}
         self._places = [places[id(one)] for one in self.passes]
-        self._steady = not (any(one.state for one in self._distinct) or solids.others(scene.solids))
+        self._steady = not (any(one.state for one in self._distinct) or solids.custom_of(scene.solids))
         """Whether the numbers of all passes follow from the moment alone, and are few."""
         self._known: dict[tuple[float, float], list[Any]] = {}
 

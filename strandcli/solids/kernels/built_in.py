@@ -1,6 +1,6 @@
 """Solids of the four shapes that have kernels of their own, in kernels that may be given none of them.
 
-The type `Lone…` of solids tells that all of them are `others`. What the four shapes take is not compiled for it.
+The type `Lone…` of solids tells that all of them are custom ones. What the four shapes take is not compiled for it.
 """
 
 from __future__ import annotations

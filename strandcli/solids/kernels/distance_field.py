@@ -1,22 +1,25 @@
-"""Solids by their signed distance, in kernels: rays, normals, shadows and contact.
+"""Custom solids by their signed distance, in kernels: rays, normals, shadows and contact.
 
-`distance(p, m, x, y, z)` is that of a written module (`strandcli.solids.shapes.other_code`). p is its `Others`: the
-packed solids, `rows`, and the arrays that their shapes have besides; m tells one of them. Where rows are an array, m is
-the number of a row, in kernels of rods, where they are numbers at an address, the place where a row begins. `meet`,
-`normal` and `deepest` come from there too: a shape's own where it has one, else `march` and `gradient` below, and what
-`segment_depth` has. What is handed functions is inlined: machine code that holds their addresses could not be kept.
+p holds the packed solids, `rows`, and the arrays that their shapes have besides (`strandcli.solids.custom`); m tells
+one of them. Where rows are an array, m is the number of a row, in kernels of rods, where they are numbers at an
+address, the place where a row begins. `distance`, `normal`, `meet`, `hides` are functions of the class of p
+(`compose`): those of a shape where it has them, else `march`, `gradient` and `hides_by_distance`.
 """
 
 from __future__ import annotations
 
+import functools
+import inspect
 import math
+from collections.abc import Callable
+from typing import Any
 
 import numpy as np
 from numba import types
 
-from ...jit import device, inlined
+from ...jit import device
 from ...jit.pruned import by_type
-from ..shapes.other import REACH, ROW_X, ROW_Y, ROW_Z, X, Y, Z
+from ..custom import REACH, ROW_X, ROW_Y, ROW_Z, X, Y, Z
 
 ZERO = np.float32(0.0)
 HALF = np.float32(0.5)
@@ -35,6 +38,83 @@ FAR = np.float32(4.0)
 """Square of the distance from a solid's origin, in its reaches, from which on it counts as a ball."""
 OUT = np.float32(1e-6)
 """Depth, as a share of a solid's reach, from which on a point is not moved any more: ten times the rounding."""
+
+
+def of_class(stub: Callable[..., Any], inline: bool = False) -> Any:
+    """A decorator: kernels call the function of this name that the class of their first argument has."""
+
+    def choose(*kinds: Any) -> Any:
+        return getattr(kinds[0].instance_class, stub.__name__)
+
+    choose.__signature__ = inspect.signature(stub)  # type: ignore[attr-defined]
+    return by_type(choose, inline, strict=False)
+
+
+inlined_of_class = functools.partial(of_class, inline=True)
+
+
+@of_class
+def distance_in_own(p, m, u, v, w):
+    """Distance of a point, in the frame of solid m, from its surface."""
+
+
+@inlined_of_class
+def distances_in_own(p, m, u, v, w):
+    """Distances of vectors of points, in the frame of solid m, from its surface."""
+
+
+@inlined_of_class
+def slopes_in_own(p, m, u, v, w):
+    """The same, and their gradients."""
+
+
+@of_class
+def bounds(p, m):
+    """Low and high corner, in the frame of solid m, of a box that no point is nearer to the solid than to."""
+
+
+@of_class
+def normal(p, m, x, y, z):
+    """Unit outward normal of solid m where the surface is nearest to a point."""
+
+
+@of_class
+def deepest(p, m, begin, edge):
+    """The share of a segment after which it is deepest in solid m, and the depth there."""
+
+
+@of_class
+def meet(p, m, x, y, z, dx, dy, dz, end):
+    """Where a ray that begins outside of solid m meets it, in units of |d|; inf where it does not up to `end`."""
+
+
+@of_class
+def meets(p, m, rays, found):
+    """Where rays first meet solid m, of its own frame, as `meets` of `SolidShape`."""
+
+
+@of_class
+def hides(p, m, x, y, z, way, reach, skin):
+    """Whether solid m stands between a point and a light at reach along a unit vector."""
+
+
+@of_class
+def look(p, m, x, y, z, eye, width, before):
+    """How solid m looks at a point of its surface: the normal, where shadow rays begin, and the colour; a negative one
+    is that of the solid. And a number, which comes back as ``before`` with a point nearby; -1: none. eye: unit vector
+    to the eye; width: that of a pixel there."""
+
+
+@of_class
+def drift(p, m, x, y, z):
+    """How far the point of the surface of solid m nearest to a point came since the step before."""
+
+
+@device
+def distance(p, m, x, y, z):
+    """Distance of a point from the surface of solid m, metres; negative inside."""
+    u, v, w = own(p, m, x, y, z)
+    return distance_in_own(p, m, u, v, w)
 
 
 @by_type
@@ -111,8 +191,8 @@ def look_in_world(p, m, look):
     )  # fmt: skip
 
 
-@inlined
-def gradient(distance, p, m, h, x, y, z):
+@device
+def gradient(p, m, h, x, y, z):
     """Unit direction in which the distance from solid m grows most, by differences over 2 h."""
     nx = distance(p, m, x + h, y, z) - distance(p, m, x - h, y, z)
     ny = distance(p, m, x, y + h, z) - distance(p, m, x, y - h, z)
@@ -142,8 +222,7 @@ def through(p, m, ox, oy, oz, dx, dy, dz):
     return max(t - half, ZERO), t + half
 
 
-@inlined
-def march(distance, p, m, x, y, z, dx, dy, dz, end):
+def march(p, m, x, y, z, dx, dy, dz, end):
     """Where a ray that begins outside of solid m meets it, in units of |d|; inf where it does not up to ``end`` (Hart
     1996, "Sphere Tracing")."""
     t = ZERO
@@ -159,8 +238,8 @@ def march(distance, p, m, x, y, z, dx, dy, dz, end):
     return INF
 
 
-@inlined
-def trace(distance, meet, p, m, ox, oy, oz, dx, dy, dz):
+@device
+def trace(p, m, ox, oy, oz, dx, dy, dz):
     """Where a ray meets solid m from outside, in units of |d|; inf where it does not. `meet` begins where the ray
     enters the solid's ball, so that it need not be accurate from far away."""
     t, end = through(p, m, ox, oy, oz, dx, dy, dz)
@@ -172,8 +251,7 @@ def trace(distance, meet, p, m, ox, oy, oz, dx, dy, dz):
     return t + meet(p, m, x, y, z, dx, dy, dz, end - t)
 
 
-@inlined
-def hides_by_distance(distance, meet, p, m, x, y, z, way, reach, skin):
+def hides_by_distance(p, m, x, y, z, way, reach, skin):
     """Whether solid m stands between a point, already `skin` off its own place, and a light at ``reach`` along the unit
     vector ``way``. A point on the surface, or within `skin` under it, has to come clear of that first."""
     lx, ly, lz = way
@@ -194,8 +272,8 @@ def hides_by_distance(distance, meet, p, m, x, y, z, way, reach, skin):
     return False
 
 
-@inlined
-def put_outside(distance, normal, p, m, x, y, z, clear):
+@device
+def put_outside(p, m, x, y, z, clear):
     """A point, moved to `clear` metres off the surface of solid m where it is nearer or inside."""
     dx = x - number(p, m, X)
     dy = y - number(p, m, Y)
@@ -214,16 +292,16 @@ def put_outside(distance, normal, p, m, x, y, z, clear):
     return x, y, z
 
 
-@inlined
-def put_outside_all(distance, normal, p, x, y, z, clear):
+@device
+def put_outside_all(p, x, y, z, clear):
     """A point out of all of these solids, one after the other."""
     for m in range(p.rows.shape[0]):
-        x, y, z = put_outside(distance, normal, p, m, x, y, z, clear)
+        x, y, z = put_outside(p, m, x, y, z, clear)
     return x, y, z
 
 
-@inlined
-def least_distance_of_all(distance, p, x, y, z):
+@device
+def least_distance_of_all(p, x, y, z):
     """A distance, metres, that no surface of these solids is nearer than; negative inside of one."""
     least = INF
     for m in range(p.rows.shape[0]):
@@ -239,8 +317,8 @@ def least_distance_of_all(distance, p, x, y, z):
     return least
 
 
-@inlined
-def visibility_past_all(hides, p, x, y, z, way, reach, skin):
+@device
+def visibility_past_all(p, x, y, z, way, reach, skin):
     """Return 1 if `hides` is false for all of these solids, else 0."""
     for m in range(p.rows.shape[0]):
         if hides(p, m, x, y, z, way, reach, skin):

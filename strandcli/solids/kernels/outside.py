@@ -4,7 +4,7 @@ from __future__ import annotations
 
 from ...jit import device
 from ...simd import broadcast, pointer
-from . import box, built_in, capsule, other, plane, sphere
+from . import box, built_in, capsule, custom, plane, sphere
 from .built_in import device_if_built_in
 
 OUTSIDE = -1e20
@@ -16,7 +16,7 @@ def outside(x, y, z, clear, solids):
     """Return a point, moved out of one of the `Solids` after the other along its normal, to `clear` metres from its
     surface. A later solid may move it into an earlier one."""
     x, y, z = outside_built_in(solids, x, y, z, clear)
-    return other.outside(solids, x, y, z, clear)
+    return custom.outside(solids, x, y, z, clear)
 
 
 @device_if_built_in(lambda solids, x, y, z, clear: (x, y, z))
@@ -36,13 +36,13 @@ def outside_built_in(solids, x, y, z, clear):
 @device
 def count(solids):
     """Return the number of `Solids`."""
-    return built_in.count(solids) + other.count(solids)
+    return built_in.count(solids) + custom.count(solids)
 
 
 @device
 def any_depth(solids, x, y, z):
     """Return the greatest depth of points in any of the `Solids`, metres; negative outside of all. Vectors of lanes."""
-    return other.deepen(solids, x, y, z, deepest_in_shapes(solids, x, y, z, broadcast(x, OUTSIDE)))
+    return custom.deepen(solids, x, y, z, deepest_in_shapes(solids, x, y, z, broadcast(x, OUTSIDE)))
 
 
 @device_if_built_in(lambda solids, x, y, z, deep: deep)

@@ -1,8 +1,5 @@
-"""Contact of segments with solids that have a signed distance: the deepest point, and rotation out of a solid.
-
-`distance` and `normal` as in `distance_field`; `deepest` is one of the two functions below with its `distance` bound. A
-segment is its first end and the vector to the other one.
-"""
+"""Contact of segments with custom solids: the deepest point, and rotation out of a solid. p and m as in
+`distance_field`; a segment is its first end and the vector to the other one."""
 
 from __future__ import annotations
 
@@ -11,10 +8,22 @@ import math
 import numpy as np
 
 from ...constants import W
-from ...jit import inlined
+from ...jit import device, inlined
 from ...simd import any_lane, lane, lane_count, pointer, sqrt, where, with_lane
-from ..shapes.other import REACH, X, Y, Z
-from .distance_field import INF, ROUNDS, TINY, ZERO, in_world, own
+from ..custom import REACH, X, Y, Z
+from .distance_field import (
+    INF,
+    ROUNDS,
+    TINY,
+    ZERO,
+    deepest,
+    distance,
+    distances_in_own,
+    in_world,
+    normal,
+    own,
+    slopes_in_own,
+)  # fmt: skip
 
 PARTS = 4
 """Equal parts of a segment whose ends are tested."""
@@ -31,43 +40,44 @@ LEVER = np.float32(0.1)
 
 
 @inlined
-def clears(distance, p, m, begin, edge):
+def clears(p, m, begin, edge):
     """Return whether a segment is certainly outside of solid m: the surface is farther from its middle than its end."""
     far = distance(p, m, begin[0] + 0.5 * edge[0], begin[1] + 0.5 * edge[1], begin[2] + 0.5 * edge[2])
     return far > 0 and 4.0 * far * far >= edge[0] * edge[0] + edge[1] * edge[1] + edge[2] * edge[2]
 
 
 @inlined
-def along(distance, p, m, begin, edge, t):
+def along(p, m, begin, edge, t):
     """Return the signed distance of the point at share t of a segment from the surface of solid m."""
     return distance(p, m, begin[0] + t * edge[0], begin[1] + t * edge[1], begin[2] + t * edge[2])
 
 
-@inlined
-def deepest_of_some(distance, p, m, begin, edge):
+def deepest_of_some(p, m, begin, edge):
     """Return the share of a segment at which it is deepest in solid m, of `PARTS` points including its end, and the
     depth there, metres; not positive if none is inside."""
     share, most = 1.0, -1.0 * INF
-    if not clears(distance, p, m, begin, edge):
+    if not clears(p, m, begin, edge):
         for j in range(1, PARTS + 1):
             t = j / PARTS
-            under = -1.0 * along(distance, p, m, begin, edge, t)
+            under = -1.0 * along(p, m, begin, edge, t)
             if under > most:
                 share, most = t, under
     return share, most
 
 
-@inlined
-def deepest_about_some(distance, p, m, begin, edge):
+deepest_part = device(deepest_of_some)
+
+
+def deepest_about_some(p, m, begin, edge):
     """The same, and of all places around the deepest of those: by golden-section search between its neighbours."""
-    share, most = deepest_of_some(distance, p, m, begin, edge)
+    share, most = deepest_part(p, m, begin, edge)
     if most <= -HALF_PART * math.sqrt(edge[0] * edge[0] + edge[1] * edge[1] + edge[2] * edge[2]):
         return share, most  # between two places the depth grows by no more than that
     low, high = max(share - 1.0 / PARTS, 0.0), min(share + 1.0 / PARTS, 1.0)
     for _ in range(CLOSE_SEARCH):
         near, far = high - CLOSER * (high - low), low + CLOSER * (high - low)
-        at_near = 1.0 * along(distance, p, m, begin, edge, near)
-        at_far = 1.0 * along(distance, p, m, begin, edge, far)
+        at_near = 1.0 * along(p, m, begin, edge, near)
+        at_far = 1.0 * along(p, m, begin, edge, far)
         if at_near < at_far:
             high = far
         else:
@@ -77,30 +87,29 @@ def deepest_about_some(distance, p, m, begin, edge):
     return share, most
 
 
-@inlined
-def deepest_of_all_places(distance, p, m, begin, edge):
+def deepest_of_all_places(p, m, begin, edge):
     """Return the same of all points of a segment, by golden-section search: the distance from a convex solid is convex
     along the segment. The error of the share is at most CLOSER^(SEARCH + 1), that of the depth this share of the
     segment's length, because its slope is at most 1."""
     low, high = 0.0, 1.0
     near, far = 1.0 - CLOSER, CLOSER
-    if clears(distance, p, m, begin, edge):
+    if clears(p, m, begin, edge):
         return 1.0, -1.0 * INF
-    at_near, at_far = 1.0 * along(distance, p, m, begin, edge, near), 1.0 * along(distance, p, m, begin, edge, far)
+    at_near, at_far = 1.0 * along(p, m, begin, edge, near), 1.0 * along(p, m, begin, edge, far)
     for _ in range(SEARCH):
         if at_near < at_far:
             high, far, at_far = far, near, at_near
             near = high - CLOSER * (high - low)
-            at_near = 1.0 * along(distance, p, m, begin, edge, near)
+            at_near = 1.0 * along(p, m, begin, edge, near)
         else:
             low, near, at_near = near, far, at_far
             far = low + CLOSER * (high - low)
-            at_far = 1.0 * along(distance, p, m, begin, edge, far)
+            at_far = 1.0 * along(p, m, begin, edge, far)
     return (near, -at_near) if at_near < at_far else (far, -at_far)
 
 
-@inlined
-def put_segment_outside(normal, deepest, p, m, begin, x, y, z):
+@device
+def put_segment_outside(p, m, begin, x, y, z):
     """Return the far end (x, y, z) of a segment, rotated until its deepest point is outside of solid m; the length
     stays the same."""
     ex, ey, ez = x - begin[0], y - begin[1], z - begin[2]
@@ -118,8 +127,8 @@ def put_segment_outside(normal, deepest, p, m, begin, x, y, z):
     return x, y, z
 
 
-@inlined
-def deepest_of_block(distance, deepest, p, positions, b):
+@device
+def deepest_of_block(p, positions, b):
     """Return the greatest depth in these solids of a particle, except roots, of block b of positions
     (blocks, n + 1, 3 W), and of a point of its segments, of the first segment only what exceeds its root's; metres."""
     most = ZERO
@@ -143,7 +152,7 @@ def deepest_of_block(distance, deepest, p, positions, b):
 
 
 @inlined
-def deepen_lanes(distance, p, x, y, z, most):
+def deepen_lanes(p, x, y, z, most):
     """Return the greatest of the depths ``most`` and of those of points in these solids; vectors of lanes. Outside of a
     solid's bounding ball the depth is that in the ball."""
     for m in range(p.rows.shape[0]):
@@ -158,7 +167,7 @@ def deepen_lanes(distance, p, x, y, z, most):
 
 
 @inlined
-def deepen_vectors(distances_in_own, p, x, y, z, most):
+def deepen_vectors(p, x, y, z, most):
     """The same to the bit, where these solids have distances of vectors."""
     for m in range(p.rows.shape[0]):
         dx, dy, dz = x - p.rows[m, X], y - p.rows[m, Y], z - p.rows[m, Z]
@@ -171,19 +180,19 @@ def deepen_vectors(distances_in_own, p, x, y, z, most):
 
 
 @inlined
-def nearest_slope_of_all(slopes_in_own, p, x, y, z):
+def nearest_slope_of_all(p, x, y, z):
     """Return the distances of points from the nearest of these solids, metres, and their gradients there; vectors of
     lanes."""
-    least, gx, gy, gz = slope_in_world(slopes_in_own, p, 0, x, y, z)
+    least, gx, gy, gz = slope_in_world(p, 0, x, y, z)
     for m in range(1, p.rows.shape[0]):
-        away, ax, ay, az = slope_in_world(slopes_in_own, p, m, x, y, z)
+        away, ax, ay, az = slope_in_world(p, m, x, y, z)
         nearer = away < least
         least, gx, gy, gz = min(least, away), where(nearer, ax, gx), where(nearer, ay, gy), where(nearer, az, gz)
     return least, gx, gy, gz
 
 
 @inlined
-def slope_in_world(slopes_in_own, p, m, x, y, z):
+def slope_in_world(p, m, x, y, z):
     """Return the distances of points from solid m, and their gradients in the world."""
     u, v, w = own(p, m, x, y, z)
     away, a, b, c = slopes_in_own(p, m, u, v, w)

@@ -1,8 +1,6 @@
 """How near a light is to the edge of solids by their signed distance: the angle that soft shadows follow from.
 
-`distance_in_own(p, m, u, v, w)` is that of a written module (`strandcli.solids.shapes.other_code`): the distance of a
-point of the frame of solid m; `distances_in_own` takes vectors of `strandcli.simd`; `bounds(p, m)` is the solid's box
-there. The rest is as in `distance_field`.
+p and m are as in `distance_field`.
 """
 
 from __future__ import annotations
@@ -11,8 +9,19 @@ import numpy as np
 
 from ...jit import inlined
 from ...simd import any_lane, where
-from ..shapes.other import REACH, X, Y, Z
-from .distance_field import HALF, INF, ONE, ZERO, number, own, own_direction
+from ..custom import REACH, X, Y, Z
+from .distance_field import (
+    HALF,
+    INF,
+    ONE,
+    ZERO,
+    bounds,
+    distance_in_own,
+    distances_in_own,
+    number,
+    own,
+    own_direction,
+)  # fmt: skip
 
 ACROSS = 64
 """Parts of the way through a solid's ball that a search for its edge looks at, at the least."""
@@ -25,7 +34,7 @@ SLOW = np.float32(1e-3)
 
 
 @inlined
-def least_sine(distance_in_own, parts, p, m, x, y, z, way, light):
+def least_sine(parts, p, m, x, y, z, way, light):
     """Sine of the least angle between a unit vector and the edge of solid m, less `skin`, as seen from a point: the
     least of its distance over the distance travelled.
 
@@ -54,24 +63,24 @@ def least_sine(distance_in_own, parts, p, m, x, y, z, way, light):
 
 
 @inlined
-def least_sine_of_all(distance_in_own, parts, p, x, y, z, way, light):
+def least_sine_of_all(parts, p, x, y, z, way, light):
     """`least_sine` of all of these solids, until one hides all of the light."""
     least = CLEAR
     for m in range(p.rows.shape[0]):
         if least > -light[1]:
-            least = min(least, least_sine(distance_in_own, parts, p, m, x, y, z, way, light))
+            least = min(least, least_sine(parts, p, m, x, y, z, way, light))
     return least
 
 
 @inlined
-def free_from(bounds, point, way, radius):
+def free_from(box, point, way, radius):
     """How far along unit vectors the cones of light about them, ``radius`` the sines of their half angles, are free of
-    a solid within `bounds` from there on: past a face, and going away from it faster than they widen."""
+    a solid within a `box` from there on: past a face, and going away from it faster than they widen."""
     u, v, w = point
     du, dv, dw = way
-    x = past_face(bounds[0], bounds[3], u, du, radius)
-    y = past_face(bounds[1], bounds[4], v, dv, radius)
-    return min(min(x, y), past_face(bounds[2], bounds[5], w, dw, radius))
+    x = past_face(box[0], box[3], u, du, radius)
+    y = past_face(box[1], box[4], v, dv, radius)
+    return min(min(x, y), past_face(box[2], box[5], w, dw, radius))
 
 
 @inlined
@@ -83,7 +92,7 @@ def past_face(low, high, at, along, radius):
 
 
 @inlined
-def begin(bounds, parts, p, m, point, way, light):
+def begin(parts, p, m, point, way, light):
     """Of vectors of rays, in the frame of solid m: where they begin and their directions, six numbers; and the first
     and the last place of `walk`, where the cones have left the solid's `bounds` for good."""
     x, y, z = point
@@ -98,7 +107,7 @@ def begin(bounds, parts, p, m, point, way, light):
 
 
 @inlined
-def walk(distances_in_own, parts, p, m, some, others, most):
+def walk(parts, p, m, some, others, most):
     """`least_sine` of two vectors of rays at once, as each step waits for the one before, in so many steps at the most:
     where they have come to, and the least angles. Of each: `begin`'s first three; the least angle so far, below minus
     the radius of which there is nothing to look for; and the light."""
@@ -110,8 +119,8 @@ def walk(distances_in_own, parts, p, m, some, others, most):
         t_on = (t < t_end) & (t_least > -t_light[1])
         if not any_lane(s_on | t_on):
             break
-        s_away = away_at(distances_in_own, p, m, one, s) + s_light[2]
-        t_away = away_at(distances_in_own, p, m, two, t) + t_light[2]
+        s_away = away_at(p, m, one, s) + s_light[2]
+        t_away = away_at(p, m, two, t) + t_light[2]
         s_least = where(s_on, min(s_least, s_away / s), s_least)
         t_least = where(t_on, min(t_least, t_away / t), t_least)
         s = where(s_on, s + pace(s_away, s, step, s_light[1]), s)
@@ -120,7 +129,7 @@ def walk(distances_in_own, parts, p, m, some, others, most):
 
 
 @inlined
-def walk_alone(distances_in_own, parts, p, m, ray, most):
+def walk_alone(parts, p, m, ray, most):
     """`walk` of one vector of rays."""
     along, t, end, least, light = ray
     step = step_of(p, m, parts)
@@ -128,14 +137,14 @@ def walk_alone(distances_in_own, parts, p, m, ray, most):
         on = (t < end) & (least > -light[1])
         if not any_lane(on):
             break
-        away = away_at(distances_in_own, p, m, along, t) + light[2]
+        away = away_at(p, m, along, t) + light[2]
         least = where(on, min(least, away / t), least)
         t = where(on, t + pace(away, t, step, light[1]), t)
     return t, least
 
 
 @inlined
-def away_at(distances_in_own, p, m, along, t):
+def away_at(p, m, along, t):
     """The distances at places of rays."""
     u, v, w, du, dv, dw = along
     return distances_in_own(p, m, u + t * du, v + t * dv, w + t * dw)

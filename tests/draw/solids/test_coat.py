@@ -15,14 +15,19 @@ from strandcli.draw.solids.kernels import coat as kernel
 from strandcli.draw.solids.solids import coats_of
 from strandcli.jit import function
 from strandcli.scene.model import BoxSolid, PlaneSolid, SphereSolid
+from strandcli.simd import broadcast, pointer, reduce_max
 
 UP = np.array([0.0, 0.0, 1.0])
 
 
 @function
-def gleam(coat: Any, rough: Any, size: Any, normal: Any, light: Any, eye: Any) -> Any:
-    """`kernel.gleam`, which is part of its callers."""
-    return kernel.gleam(coat, rough, size, normal, light, eye)
+def gleam(given: Any) -> Any:
+    """`kernel.gleam`, which is part of its callers, of twelve numbers."""
+    rows = pointer(given)
+    normal = broadcast(rows, given[3]), broadcast(rows, given[4]), broadcast(rows, given[5])
+    light = broadcast(rows, given[6]), broadcast(rows, given[7]), broadcast(rows, given[8])
+    eye = broadcast(rows, given[9]), broadcast(rows, given[10]), broadcast(rows, given[11])
+    return reduce_max(kernel.gleam(given[0], given[1], broadcast(rows, given[2]), normal, light, eye))
 
 
 @function
@@ -36,8 +41,7 @@ def towards(theta: float, phi: float = 0.0) -> np.ndarray:
 
 
 def brdf(coat: float, rough: float, light: np.ndarray, eye: np.ndarray, size: float = 0.0) -> float:
-    vectors = (tuple(one.astype(np.float32)) for one in (UP, light, eye))
-    return float(gleam(*np.array([coat, rough, size], np.float32), *vectors))
+    return float(gleam(np.array([coat, rough, size, *UP, *light, *eye], np.float32)))
 
 
 def exact(coat: float, rough: float, light: np.ndarray, eye: np.ndarray) -> float:

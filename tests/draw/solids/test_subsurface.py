@@ -2,17 +2,31 @@
 
 from __future__ import annotations
 
+from typing import Any
+
 import numpy as np
 import pytest
 
 from strand_kit import frames_of, scene_of
 from strandcli.draw.solids.kernels.coat import scattered
+from strandcli.jit import function
+from strandcli.simd import lane_count, load, pointer, store
 
 WIDTHS = [0.05, 0.3, 1.0]
 
 
+@function
+def scatter(cosines: Any, width: Any) -> None:
+    """`scattered` of so many numbers as are whole vectors, in place."""
+    rows = pointer(cosines)
+    for k in range(0, len(cosines), lane_count(rows)):
+        store(rows, k, scattered(load(rows, k), width))
+
+
 def lobe(cosines: np.ndarray, width: float) -> np.ndarray:
-    return np.array([scattered(np.float32(cosine), np.float32(width)) for cosine in cosines], np.float64)
+    found = np.resize(cosines, 96).astype(np.float32)
+    scatter(found, np.float32(width))
+    return found[: len(cosines)].astype(np.float64)
 
 
 def middles(count: int) -> np.ndarray:

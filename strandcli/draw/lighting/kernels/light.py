@@ -7,10 +7,10 @@ import math
 import numpy as np
 
 from ....constants import W
-from ....jit import device, function
+from ....jit import device, inlined
 from ....jit.indices import FIRST, SECOND
 from ....simd import lane_count, load, load3, pointer, store
-from ...common.kernels.batch import COLOUR, RADIANCE, TX, TY, TZ, X
+from ...common.kernels.batch import COLOUR, RADIANCE, TX, X
 from ...common.kernels.light_columns import KIND, PLACE_X, PLACE_Y, PLACE_Z
 from ...common.kernels.numbers import ONE, THREE, ZERO
 from .occlusion import sky_visibilities
@@ -34,7 +34,7 @@ def toward(lights, i, point):
     return lx / size, ly / size, lz / size, size, ONE / square
 
 
-@function
+@inlined
 def around(sky, which, c, x, y, z):
     """Return the radiance in channel c of a white `STRAND` by its unit tangent, or of a white `SURFACE` by its unit
     normal, in environment light; at least 0. sky (2, 9, 3): from `strandcli.draw.lighting.environment`."""
@@ -60,16 +60,16 @@ def ambient_light(work, n, surround):
     colour; its outermost strands are brighter and the inner ones darker, the more so the darker the colour.
     """
     ambient, sky = surround.ambient, surround.sky
-    for c in range(3):
-        for k in range(n):
-            work[RADIANCE + c * W + k] = ambient[c] * work[COLOUR + c * W + k]
-    if sky.shape[0] > 0:
+    rows = pointer(work)
+    for k in range(0, n, lane_count(rows)):
+        tx, ty, tz = load3(rows, TX + k, W)
         for c in range(3):
-            for k in range(n):
-                whole = around(sky, STRAND, c, work[TX + k], work[TY + k], work[TZ + k])
-                work[RADIANCE + c * W + k] += whole * work[COLOUR + c * W + k]
+            colour = load(rows, COLOUR + c * W + k)
+            store(rows, RADIANCE + c * W + k, ambient[c] * colour)
+            if sky.shape[0] > 0:
+                whole = around(sky, STRAND, c, tx, ty, tz)
+                store(rows, RADIANCE + c * W + k, load(rows, RADIANCE + c * W + k) + whole * colour)
     if surround.volume.shape[0] > 0:
-        rows = pointer(work)
         for k in range(0, n, lane_count(rows)):
             share = sky_visibilities(surround.volume, surround.box, load3(rows, X + k, W), None)
             for c in range(3):

@@ -17,8 +17,7 @@ from numpy.typing import NDArray
 from ....constants import W
 from ....jit import device
 from ....simd import lane_count, load, pointer, reduce_max
-from ....solids.kernels import built_in
-from ....solids.kernels import other as other_solids
+from ....solids.kernels import built_in, custom
 from ...common.kernels.batch import EX, RADIANCE, X, set_vector, vector_at
 from ...common.kernels.light_columns import POWER_R
 from ...common.kernels.numbers import HALF, INF, INV_PI, ONE, STEPS, THREE, TWO, ZERO
@@ -77,7 +76,7 @@ def room(mirrors, count):
 @device
 def number_of(solids):
     """Return the number of solids."""
-    return built_in.count(solids) + other_solids.count(solids)
+    return built_in.count(solids) + custom.count(solids)
 
 
 @device

@@ -10,7 +10,7 @@ from numpy.typing import NDArray
 
 from ....constants import W
 from ....jit import device
-from ....solids.kernels import other
+from ....solids.kernels import custom
 from ....solids.kernels.outside import outside
 from ...common.kernels import batch
 from ...common.kernels.batch import LEAST, RADIUS
@@ -28,7 +28,7 @@ class Listed(NamedTuple):
     """Memory of `hide`."""
 
     work: NDArray[np.float32]
-    """(`batch.ROWS` W,) rays past solids of other shapes, a batch."""
+    """(`batch.ROWS` W,) rays past custom solids, a batch."""
     places: NDArray[np.int64]
     """(W,) their places in `every`."""
     every: NDArray[np.uint8]
@@ -43,13 +43,13 @@ def hide(cells, counts, sides, box, ways, listed, solids, i):
     there; listed: `Listed`.
 
     For a cell whose centre is inside of a solid, the nearest point of the surface counts. Solids are tested only for
-    cells near strands or surfaces, since no others are looked up. Rays past solids of other shapes are listed, and go
+    cells near strands or surfaces, since no others are looked up. Rays past custom solids are listed, and go
     on together (`by_distances`): as soft shadows do, of a light without a size. That takes a tenth of the time of rays
     that meet triangles, and is as exact as light that varies from cell to cell needs.
     """
     wide = math.sqrt(sides[0] * sides[0] + sides[1] * sides[1] + sides[2] * sides[2])
     skin = np.float32(1e-3) * wide
-    places, by_lanes = listed.near, other.takes_vectors(solids)
+    places = listed.near
     total = counts[0] * counts[1] * counts[2]
     found = np.int64(0)
     for j in range(counts[1]):
@@ -68,20 +68,24 @@ def hide(cells, counts, sides, box, ways, listed, solids, i):
                     continue
                 lx, ly, lz = ways[d, 0], ways[d, 1], ways[d, 2]
                 seen = rays.visibility_past_built_in(solids, x, y, z, lx, ly, lz, FAR, skin)
-                if seen > ZERO and not by_lanes:
+                if seen > ZERO:
                     ox, oy, oz = x + skin * lx, y + skin * ly, z + skin * lz
-                    seen = other.visibility(solids, ox, oy, oz, lx, ly, lz, FAR, skin)
+                    seen = custom.visibility_alone(solids, ox, oy, oz, lx, ly, lz, FAR, skin)
                 if seen == ZERO:
                     listed.every[at] = DARK
             places[found, 0], places[found, 1], places[found, 2] = x, y, z
             places[found, 3] = np.float32(cell - i * counts[1] * counts[2])
             found += 1
-    if by_lanes:
-        list_rays(ways, listed, found, i * counts[1] * counts[2], total, solids, skin)
+    list_rays(solids, ways, listed, found, i * counts[1] * counts[2], total, skin)
 
 
-@device
-def list_rays(ways, listed, found, slab, total, solids, skin):
+@custom.by_form(lambda solids, ways, listed, found, slab, total, skin: None, "distances_in_own")
+def list_rays(form):
+    """`list_all` where custom solids have distances of vectors."""
+    return list_all
+
+
+def list_all(solids, ways, listed, found, slab, total, skin):
     """Run `past_distances` for the first cells in `Listed.near`, so many as were found, direction by direction: rays of
     one direction that begin side by side take about as many steps.
 
@@ -106,7 +110,7 @@ def list_rays(ways, listed, found, slab, total, solids, skin):
 
 @device
 def past_distances(listed, count, solids, skin):
-    """Set what is left of listed rays to 0 where solids of other shapes hide the light."""
+    """Set what is left of listed rays to 0 where custom solids hide the light."""
     work = listed.work
     for j in range(count):
         work[batch.REACH + j] = FAR

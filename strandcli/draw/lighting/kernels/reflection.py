@@ -3,17 +3,16 @@
 
 from __future__ import annotations
 
-import math
-
 import numpy as np
 
 from ....constants import W
 from ....jit import device
-from ....solids.kernels import other
-from ...common.kernels.batch import ARRIVES, EX, LX, RADIANCE, REACH, X, set_vector, vector_at
+from ....simd import broadcast, lane_count, load, load3, pointer, sqrt, store, store3, where
+from ....solids.kernels import custom
+from ...common.kernels.batch import ARRIVES, EX, LX, RADIANCE, REACH, X
 from ...common.kernels.light_columns import BIAS, FIRST_MAP, KIND, LIGHT_SIZE, MAP_COUNT, MAP_LAYERS, POWER_R
 from ...common.kernels.numbers import INV_PI, ONE, ZERO
-from ...common.kernels.surface_batch import ARRIVED, COAT, COSINE, LEFT, LIFT, NX, PX, SHINE, TRUE_X
+from ...common.kernels.surface_batch import ARRIVED, COAT, COSINE, LEFT, LIFT, NX, PX, TRUE_X
 from ...shadows.kernels import percentage_closer
 from ...shadows.kernels.strand_shadows import shade_by_minmax
 from ...solids.kernels import coat
@@ -30,7 +29,7 @@ def arrive(work, n, i, lights, shadows, solids, loss, depth):
     rows = lights.rows
     aim(work, n, rows, i)
     rise(work, n, lights.skin, depth)
-    if other.has_look(solids):
+    if custom.has_look(solids):
         for k in range(3 * W):  # on to where shadow rays begin
             work[X + k] += work[LIFT + k]
     if depth > ZERO:
@@ -63,56 +62,63 @@ def rise(work, n, skin, depth):
     least cosine that counts as in front is minus this."""
     for k in range(3 * W):
         work[PX + k] = work[X + k]
-    for k in range(n):
-        nx, ny, nz = vector_at(work, NX, k)
-        lx, ly, lz = vector_at(work, LX, k)
+    rows = pointer(work)
+    for k in range(0, n, lane_count(rows)):
+        nx, ny, nz = load3(rows, NX + k, W)
+        lx, ly, lz = load3(rows, LX + k, W)
         cosine = nx * lx + ny * ly + nz * lz
-        work[COSINE + k] = cosine
-        work[ARRIVES + k] = ZERO if cosine <= -depth else work[ARRIVES + k]
-        x, y, z = vector_at(work, X, k)
-        set_vector(work, X, k, (x + nx * skin, y + ny * skin, z + nz * skin))
+        store(rows, COSINE + k, cosine)
+        store(rows, ARRIVES + k, where(cosine <= -depth, ZERO, load(rows, ARRIVES + k)))
+        x, y, z = load3(rows, X + k, W)
+        store3(rows, X + k, W, x + nx * skin, y + ny * skin, z + nz * skin)
 
 
 @device
 def bend(work, n, lights, i):
     """Raise the directions to light number i until all of it stands above the surface's tangent plane, for shadow rays
     of light that enters a surface beside the point and leaves it here."""
-    for k in range(n):
-        x, y, z = vector_at(work, LX, k)
-        nx, ny, nz = vector_at(work, NX, k)
-        set_vector(work, TRUE_X, k, (x, y, z))
-        more = max(angle_of(work, k, lights, i) - work[COSINE + k], ZERO)
+    rows = pointer(work)
+    for k in range(0, n, lane_count(rows)):
+        x, y, z = load3(rows, LX + k, W)
+        nx, ny, nz = load3(rows, NX + k, W)
+        store3(rows, TRUE_X + k, W, x, y, z)
+        more = max(angles_of(rows, k, lights, i) - load(rows, COSINE + k), ZERO)
         x, y, z = x + more * nx, y + more * ny, z + more * nz
-        per = ONE / math.sqrt(max(x * x + y * y + z * z, TINY))
-        set_vector(work, LX, k, (x * per, y * per, z * per))
+        per = ONE / sqrt(max(x * x + y * y + z * z, TINY))
+        store3(rows, LX + k, W, x * per, y * per, z * per)
 
 
 @device
 def reflect(work, n, lights, i):
     """Store the irradiance of light number i, and add what a white Lambertian surface reflects of it."""
-    for c in range(3):
-        for k in range(n):
-            arrived = work[ARRIVES + k] * work[COSINE + k] * lights[i, POWER_R + c] * work[LEFT + c * W + k]
-            work[ARRIVED + c * W + k] = arrived
-            work[RADIANCE + c * W + k] += INV_PI * arrived
+    rows = pointer(work)
+    for k in range(0, n, lane_count(rows)):
+        for c in range(3):
+            arrived = load(rows, ARRIVES + k) * load(rows, COSINE + k) * lights[i, POWER_R + c]
+            arrived = arrived * load(rows, LEFT + c * W + k)
+            store(rows, ARRIVED + c * W + k, arrived)
+            store(rows, RADIANCE + c * W + k, load(rows, RADIANCE + c * W + k) + INV_PI * arrived)
 
 
 @device
 def reflect_from_below(work, n, lights, i, coats, which):
     """As `reflect`, of a surface under which light spreads (`strandcli.draw.solids.kernels.coat`)."""
-    for c in range(3):
-        width = coats[which, SUBSURFACE + c]
-        for k in range(n):
-            cosine = work[COSINE + k]
-            power = work[ARRIVES + k] * lights[i, POWER_R + c] * work[LEFT + c * W + k]
-            work[ARRIVED + c * W + k] = power * max(cosine, ZERO)
-            work[RADIANCE + c * W + k] += INV_PI * power * scattered(cosine, width)
+    rows = pointer(work)
+    for k in range(0, n, lane_count(rows)):
+        cosine = load(rows, COSINE + k)
+        for c in range(3):
+            power = load(rows, ARRIVES + k) * lights[i, POWER_R + c] * load(rows, LEFT + c * W + k)
+            store(rows, ARRIVED + c * W + k, power * max(cosine, ZERO))
+            light = INV_PI * power * scattered(cosine, coats[which, SUBSURFACE + c])
+            store(rows, RADIANCE + c * W + k, load(rows, RADIANCE + c * W + k) + light)
 
 
 @device
-def angle_of(work, k, lights, i):
-    """Return the sine of the angular radius of light number i at point number k."""
-    return lights[i, LIGHT_SIZE] if lights[i, KIND] == ZERO else min(lights[i, LIGHT_SIZE] / work[REACH + k], ONE)
+def angles_of(rows, k, lights, i):
+    """Return the sines of the angular radius of light number i at the vector of points from number k on."""
+    if lights[i, KIND] == ZERO:
+        return broadcast(rows, lights[i, LIGHT_SIZE])
+    return min(lights[i, LIGHT_SIZE] / load(rows, REACH + k), ONE)
 
 
 @device
@@ -120,13 +126,13 @@ def gleam(work, n, lights, i, coats, which):
     """Add the light of light number i that a coat mirrors."""
     if coats[which, coat.COAT] <= ZERO:
         return
-    for k in range(n):
-        angle = angle_of(work, k, lights, i)
+    rows = pointer(work)
+    for k in range(0, n, lane_count(rows)):
         share = coat.gleam(
-            coats[which, coat.COAT], coats[which, coat.ROUGH], angle, vector_at(work, NX, k), vector_at(work, LX, k),
-            vector_at(work, EX, k),
+            coats[which, coat.COAT], coats[which, coat.ROUGH], angles_of(rows, k, lights, i), load3(rows, NX + k, W),
+            load3(rows, LX + k, W), load3(rows, EX + k, W),
         )  # fmt: skip
-        work[SHINE + k] = share if work[ARRIVES + k] != ZERO else ZERO
-    for c in range(3):
-        for k in range(n):
-            work[COAT + c * W + k] += work[SHINE + k] * work[ARRIVED + c * W + k]
+        share = where(load(rows, ARRIVES + k) != ZERO, share, ZERO)
+        for c in range(3):
+            light = load(rows, ARRIVED + c * W + k)
+            store(rows, COAT + c * W + k, load(rows, COAT + c * W + k) + share * light)

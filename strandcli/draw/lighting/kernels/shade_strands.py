@@ -6,18 +6,30 @@ loop over a row, which LLVM vectorises; only look-ups in maps and tables go vert
 
 from __future__ import annotations
 
-import math
-
 import numpy as np
+from numba import types
 
 from ....constants import W
 from ....jit import device, inlined, parallel, prange
 from ....jit.indices import places, task_at
-from ....simd import floor, lane_count, load, pointer, store3
+from ....jit.pruned import by_type
+from ....simd import floor, lane_count, load, load3, pointer, sqrt, store, store3
 from ...common.kernels import batch as row
-from ...common.kernels.approximations import exp
+from ...common.kernels.approximations import exp_lanes
 from ...common.kernels.batch import ARRIVES, COLOUR, EX, EXTRA, LX, RADIANCE, REACH, TX, X
-from ...common.kernels.light_columns import BIAS, CLEAR_ROW, FIRST_MAP, MAP_COUNT, MAP_LAYERS, PER_FALL, STRAND_WIDTH
+from ...common.kernels.light_columns import (
+    BIAS,
+    CLEAR_ROW,
+    FIRST_MAP,
+    KIND,
+    MAP_COUNT,
+    MAP_LAYERS,
+    PER_FALL,
+    PLACE_X,
+    PLACE_Y,
+    PLACE_Z,
+    STRAND_WIDTH,
+)  # fmt: skip
 from ...common.kernels.numbers import HALF, ONE, ZERO
 from ...common.kernels.view_columns import EYE_X, EYE_Y, EYE_Z, FORWARD_X, FORWARD_Y, FORWARD_Z, PERSPECTIVE
 from ...coverage.kernels import width_profiles
@@ -26,7 +38,7 @@ from ...fibre.kernels.highlights import highlights
 from ...fibre.kernels.lobes import ALL, mixed, mixed_pair, place_at, width_highlights
 from ...shadows.kernels.solid_shadows import hard_shadows, soft_shadows
 from ...shadows.kernels.strand_shadows import count_in_front, shade_by_minmax
-from .light import ambient_light, toward
+from .light import FAR, ambient_light
 
 TINY = np.float32(1e-30)
 NEXT = np.uint64(1)
@@ -52,7 +64,7 @@ def strands(vertices, paint, surround, tables, dual, lights, shadows, solids, wi
     for turn in prange(places(tasks)):
         task = task_at(np.int64(turn), tasks)
         work = np.empty(row.ROWS * W, np.float32)
-        work[row.EXTRA : row.EXTRA + 3 * W] = ZERO
+        work[:] = ZERO  # what is in lanes that no vertex is in must not be slow numbers
         which = np.empty(W, np.int64)
         marked = np.empty(longest(vertices.first, task * STRANDS, min((task + 1) * STRANDS, count)), np.int64)
         n = np.int64(0)  # with a literal, Numba would compile the functions below twice
@@ -166,13 +178,12 @@ def add_light(work, n, which, i, diffuse, tables, dual, lights, shadows, wide):
             width_highlights(work, n, which, rows, i, tables, wide, wide.columns)
 
 
-@device
+@by_type
 def past_solids(work, n, lights, i, solids, skin, sized):
     """Multiply the rows `ARRIVES` by the visibility of light number i past solids; sized: None for hard shadows."""
-    if sized is None:
-        hard_shadows(work, n, solids, skin)
-    else:
-        soft_shadows(work, n, lights, i, solids, skin)
+    if isinstance(sized, types.NoneType):
+        return lambda work, n, lights, i, solids, skin, sized: hard_shadows(work, n, solids, skin)
+    return lambda work, n, lights, i, solids, skin, sized: soft_shadows(work, n, lights, i, solids, skin)
 
 
 @device
@@ -185,19 +196,21 @@ def past_strands(work, n, lights, i, shadows, dual):
         for one in range(int(rows[i, FIRST_MAP]), int(rows[i, FIRST_MAP] + rows[i, MAP_COUNT])):
             shade_by_minmax(work, n, shadows, one, bias)
         return
-    for k in range(n):
-        work[row.PASSED + k] = ZERO
-        work[row.LEFT + k] = ZERO
+    batch_rows = pointer(work)
+    for k in range(0, n, lane_count(batch_rows)):
+        store(batch_rows, row.PASSED + k, ZERO)
+        store(batch_rows, row.LEFT + k, ZERO)
     layers = np.int64(rows[i, MAP_LAYERS])
     width = rows[i, STRAND_WIDTH]
     over = rows[i, PER_FALL]
     for one in range(int(rows[i, FIRST_MAP]), int(rows[i, FIRST_MAP] + rows[i, MAP_COUNT])):
         count_in_front(work, n, shadows, one, layers, bias, width, over, dual)
-    for k in range(n):
-        work[row.UNBLOCKED + k] = work[row.ARRIVES + k]
-    if lights.clear.shape[0] == 0 or rows[i, CLEAR_ROW] == ZERO:
-        for k in range(n):
-            work[row.ARRIVES + k] *= exp(-work[row.PASSED + k])
+    blocked = lights.clear.shape[0] == 0 or rows[i, CLEAR_ROW] == ZERO
+    for k in range(0, n, lane_count(batch_rows)):
+        arrives = load(batch_rows, row.ARRIVES + k)
+        store(batch_rows, row.UNBLOCKED + k, arrives)
+        if blocked:
+            store(batch_rows, row.ARRIVES + k, arrives * exp_lanes(-load(batch_rows, row.PASSED + k)))
 
 
 @device
@@ -205,32 +218,45 @@ def frames(work, n, view):
     """Normalise the tangents, and store unit directions to the eye."""
     perspective = view[PERSPECTIVE]
     straight = perspective - ONE  # for an orthographic view the direction is −forward
-    for k in range(n):
-        row.set_vector(work, row.TX, k, unit(row.vector_at(work, row.TX, k)))
-        x, y, z = row.vector_at(work, row.X, k)
+    rows = pointer(work)
+    for k in range(0, n, lane_count(rows)):
+        x, y, z = unit(load3(rows, row.TX + k, W))
+        store3(rows, row.TX + k, W, x, y, z)
+        x, y, z = load3(rows, row.X + k, W)
         x = perspective * (view[EYE_X] - x) + straight * view[FORWARD_X]
         y = perspective * (view[EYE_Y] - y) + straight * view[FORWARD_Y]
         z = perspective * (view[EYE_Z] - z) + straight * view[FORWARD_Z]
-        row.set_vector(work, row.EX, k, unit((x, y, z)))
+        x, y, z = unit((x, y, z))
+        store3(rows, row.EX + k, W, x, y, z)
 
 
 @inlined
 def unit(vector):
-    """Return a vector scaled to length one; 0 for a zero vector."""
+    """Return vectors scaled to length one; 0 for zero vectors."""
     x, y, z = vector
-    size = ONE / math.sqrt(max(x * x + y * y + z * z, TINY))
+    size = ONE / sqrt(max(x * x + y * y + z * z, TINY))
     return x * size, y * size, z * size
 
 
 @device
 def aim(work, n, lights, i):
     """Store direction and distance to light number i, and its falloff in `ARRIVES`."""
-    for k in range(n):
-        x, y, z, reach, falloff = toward(lights, i, row.vector_at(work, row.X, k))
-        row.set_vector(work, row.LX, k, (x, y, z))
-        work[row.REACH + k] = reach
-        work[row.ARRIVES + k] = falloff
-        work[row.INSIDE + k] = ZERO
+    rows = pointer(work)
+    px, py, pz = lights[i, PLACE_X], lights[i, PLACE_Y], lights[i, PLACE_Z]
+    for k in range(0, n, lane_count(rows)):
+        store(rows, row.INSIDE + k, ZERO)
+        if lights[i, KIND] == ZERO:
+            store3(rows, row.LX + k, W, px, py, pz)
+            store(rows, row.REACH + k, FAR)
+            store(rows, row.ARRIVES + k, ONE)
+        else:
+            x, y, z = load3(rows, row.X + k, W)
+            x, y, z = px - x, py - y, pz - z
+            square = max(x * x + y * y + z * z, TINY)
+            size = sqrt(square)
+            store3(rows, row.LX + k, W, x / size, y / size, z / size)
+            store(rows, row.REACH + k, size)
+            store(rows, row.ARRIVES + k, ONE / square)
 
 
 THREES = (X, TX, EX, COLOUR, EXTRA, RADIANCE, LX)

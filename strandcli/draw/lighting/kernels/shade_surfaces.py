@@ -11,7 +11,8 @@ import numpy as np
 from ....constants import W
 from ....jit import device, inlined, parallel, prange
 from ....jit.indices import places, task_at
-from ....solids.kernels import other
+from ....simd import broadcast, lane_count, load, pointer, store, store3
+from ....solids.kernels import custom
 from ...common.kernels.batch import RADIANCE, vector_at
 from ...common.kernels.keys import EMPTY, FIRST, LOW
 from ...common.kernels.numbers import ZERO
@@ -44,6 +45,7 @@ def surfaces(screen, surround, strands, lights, shadows, solids, coating, image)
         found = np.empty(PIXELS, np.int64)
         end = find_pixels(screen, first, min(first + PIXELS, last), width, found)
         work = np.empty(ROWS * W, np.float32)
+        work[:] = ZERO  # what is in lanes that no point is in must not be slow numbers
         which = np.empty(W, np.int64)
         way = mirror.Rays(
             work, np.empty(mirror.room(coating.mirrors, mirror.RAYS * W), np.float32), np.empty(W, np.int64),
@@ -69,11 +71,10 @@ def batch(work, n, which, surround, strands, lights, shadows, solids, coating):
     depth = ZERO  # greatest width of subsurface scattering
     for c in range(3 if coats.shape[0] > 0 else 0):
         depth = max(depth, coats[which, coat.SUBSURFACE + c])
-    if other.has_look(solids) or depth > ZERO:
-        for c in range(3):  # its own colour, and no lift
-            for k in range(n):
-                work[ALBEDO + c * W + k] = paint[which, c]
-                work[LIFT + c * W + k] = ZERO
+    if custom.has_look(solids) or depth > ZERO:
+        for k in range(0, n, lane_count(pointer(work))):  # its own colour, and no lift
+            store3(pointer(work), ALBEDO + k, W, paint[which, 0], paint[which, 1], paint[which, 2])
+            store3(pointer(work), LIFT + k, W, ZERO, ZERO, ZERO)
     face(work, n, solids, which)
     light_around(work, n, surround, strands.bounce, depth)
     fade(work, n, paint, which)
@@ -94,16 +95,18 @@ def batch(work, n, which, surround, strands, lights, shadows, solids, coating):
 @device
 def colour(work, n, which, solids, coating):
     """Multiply the rows `RADIANCE`, of a white surface, by its colour and what passes its coat, and add the coat's."""
-    for c in range(3):
-        tone = coating.paint[which, c]
-        for k in range(n):
-            if other.has_look(solids):
-                tone = work[ALBEDO + c * W + k]
-            under = work[RADIANCE + c * W + k]
+    rows = pointer(work)
+    for k in range(0, n, lane_count(rows)):
+        for c in range(3):
+            tone = broadcast(rows, coating.paint[which, c])
+            if custom.has_look(solids):
+                tone = load(rows, ALBEDO + c * W + k)
+            under = load(rows, RADIANCE + c * W + k)
             if coating.coats.shape[0] == 0:
-                work[RADIANCE + c * W + k] = under * tone
+                store(rows, RADIANCE + c * W + k, under * tone)
             else:
-                work[RADIANCE + c * W + k] = work[UNDER + k] * under * tone + work[COAT + c * W + k]
+                light = load(rows, UNDER + k) * under * tone + load(rows, COAT + c * W + k)
+                store(rows, RADIANCE + c * W + k, light)
 
 
 @device

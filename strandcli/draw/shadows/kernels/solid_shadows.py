@@ -9,7 +9,7 @@ import numpy as np
 from ....constants import W
 from ....jit import device, function, inlined
 from ....simd import lane_count, load, load3, pointer, store, where
-from ....solids.kernels import other
+from ....solids.kernels import custom
 from ....solids.kernels import plane as plane_rays
 from ....solids.kernels import sphere as sphere_rays
 from ....solids.kernels.built_in import device_if_built_in
@@ -78,15 +78,15 @@ def soft_shadows(work, n, lights, i, solids, skin):
         # without incoming light the point counts as fully occluded
         work[row.LEAST + k] = radius if work[row.ARRIVES + k] > ZERO else -radius
     past_built_in(solids, work, n, skin)
-    if other.count(solids) > 0:
-        if other.takes_vectors(solids):
+    if custom.count(solids) > 0:
+        if custom.takes_vectors(solids):
             by_distances(work, n, solids, skin, skin)
         else:
             for k in range(n):
                 if work[row.LEAST + k] > -work[row.RADIUS + k]:
                     x, y, z = lifted(work, k, skin)
                     light = work[row.REACH + k], work[row.RADIUS + k], skin
-                    least = other.lowest_sine(solids, x, y, z, row.vector_at(work, row.LX, k), light)
+                    least = custom.lowest_sine(solids, x, y, z, row.vector_at(work, row.LX, k), light)
                     work[row.LEAST + k] = min(work[row.LEAST + k], least)
     for k in range(n):
         work[row.ARRIVES + k] *= penumbra.share(work[row.LEAST + k], work[row.RADIUS + k])
@@ -202,7 +202,7 @@ LISTED = Rays(
 def by_distances(work, n, solids, lift, skin):
     """Reduce the rows `LEAST` to the sines of the angles between lights and solids that have distances of vectors, as
     seen from points moved by `lift` metres toward the lights. Rows of `batch`: positions, lights, `RADIUS`."""
-    for m in range(other.count(solids)):
+    for m in range(custom.count(solids)):
         for k in range(n):
             work[row.AT_NEAR + k] = ZERO
         go(work, n, OWN, solids, m, (lift, skin), FEW)
@@ -234,23 +234,23 @@ def go(work, n, at, solids, m, lift_and_skin, most):
     for k in range(0, n, 2 * lanes):
         some = begun(rows, k, at, solids, m, lift_and_skin)
         if k + lanes >= n:
-            t, least = other.walk_alone(solids, m, some, most)
+            t, least = custom.walk_alone(solids, m, some, most)
             keep(rows, k, at, t, least, some)
             break
         others = begun(rows, k + lanes, at, solids, m, lift_and_skin)
-        s, s_least, t, t_least = other.walk(solids, m, some, others, most)
+        s, s_least, t, t_least = custom.walk(solids, m, some, others, most)
         keep(rows, k, at, s, s_least, some)
         keep(rows, k + lanes, at, t, t_least, others)
 
 
 @inlined
 def begun(rows, k, at, solids, m, lift_and_skin):
-    """Return what `other.walk` takes of a vector of rays."""
+    """Return what `custom.walk` takes of a vector of rays."""
     lift, skin = lift_and_skin
     lx, ly, lz = way = load3(rows, at.way + k, W)
     x, y, z = load3(rows, at.point + k, W)
     light = load(rows, at.reach + k), load(rows, at.radius + k), skin
-    along, t, end = other.begin_walk(solids, m, (x + lx * lift, y + ly * lift, z + lz * lift), way, light)
+    along, t, end = custom.begin_walk(solids, m, (x + lx * lift, y + ly * lift, z + lz * lift), way, light)
     return along, max(t, load(rows, at.place + k)), end, load(rows, at.least + k), light
 
 

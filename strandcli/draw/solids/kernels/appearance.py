@@ -7,7 +7,7 @@ import math
 import numpy as np
 
 from ....jit import device
-from ....solids.kernels import built_in, other
+from ....solids.kernels import built_in, custom
 from ...common.kernels.batch import EX, X, set_vector, vector_at
 from ...common.kernels.numbers import ONE, ZERO
 from ...common.kernels.surface_batch import ALBEDO, BEFORE, LIFT, NX, PIXEL
@@ -20,20 +20,31 @@ no facet that is seen is shaded from behind."""
 @device
 def folds(solids, which):
     """Return whether solid number `which` may have edges in front of itself."""
-    return which >= built_in.count(solids) and other.folds(solids, which - built_in.count(solids))
+    return which >= built_in.count(solids) and custom.folds(solids, which - built_in.count(solids))
 
 
-@device
-def face(work, n, solids, which):
-    """Store unit normals, lifts and colours of points of a solid that has a look of its own."""
-    m = which - built_in.count(solids)
+def face_plain(solids, work, n, m):
+    """Store unit normals of points of custom solid m."""
+    for k in range(n):
+        x, y, z = vector_at(work, X, k)
+        set_vector(work, NX, k, custom.normal(solids, m, x, y, z))
+
+
+@custom.by_form(face_plain, "look")
+def face_custom(form):
+    """`face_plain`, or where some have a look of their own `face_by_look`."""
+    return face_by_look
+
+
+def face_by_look(solids, work, n, m):
+    """Store unit normals, lifts and colours of points of custom solid m."""
     before = np.int64(-1)
     for k in range(n):
         x, y, z = vector_at(work, X, k)
         if work[BEFORE + k] >= ZERO:
             before = np.int64(work[BEFORE + k])
         eye = vector_at(work, EX, k)
-        normal, place, colour, before = other.look(solids, m, x, y, z, eye, work[PIXEL + k], before)
+        normal, place, colour, before = custom.look(solids, m, x, y, z, eye, work[PIXEL + k], before)
         set_vector(work, NX, k, towards(normal, eye))
         set_vector(work, LIFT, k, (place[0] - x, place[1] - y, place[2] - z))
         if min(colour[0], min(colour[1], colour[2])) >= ZERO:

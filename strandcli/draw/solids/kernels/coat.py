@@ -12,11 +12,10 @@ Patches are three-dimensional noise in octaves, each faded out where it is finer
 
 from __future__ import annotations
 
-import math
-
 import numpy as np
 
-from ....jit import function, inlined
+from ....jit import inlined
+from ....simd import sqrt, where
 from ...common.kernels.numbers import HALF, INV_PI, ONE, THREE, TWO, ZERO
 
 FOUR = np.float32(4.0)
@@ -53,14 +52,14 @@ def mirrored(coat, rough, nv):
 @inlined
 def gleam(coat, rough, size, normal, light, eye):
     """Return the coat's BRDF, 1/sr, for unit vectors of the normal, to the light and to the eye; size: sine of the
-    light's angular radius."""
+    light's angular radius. Vectors of lanes."""
     nx, ny, nz = normal
     lx, ly, lz = light
     vx, vy, vz = eye
     hx = lx + vx
     hy = ly + vy
     hz = lz + vz
-    per = ONE / math.sqrt(max(hx * hx + hy * hy + hz * hz, TINY))
+    per = ONE / sqrt(max(hx * hx + hy * hy + hz * hz, TINY))
     nh = min((nx * hx + ny * hy + nz * hz) * per, ONE)
     lh = min((lx * hx + ly * hy + lz * hz) * per, ONE)
     nl = max(nx * lx + ny * ly + nz * lz, TINY)
@@ -68,7 +67,7 @@ def gleam(coat, rough, size, normal, light, eye):
     disc = QUARTER * size * size
     facets = facets_over(rough * rough * rough * rough, disc, max(nh * nh, TINY))
     square = rough * rough * rough * rough + disc
-    seen = nl * math.sqrt(nv * nv * (ONE - square) + square) + nv * math.sqrt(nl * nl * (ONE - square) + square)
+    seen = nl * sqrt(nv * nv * (ONE - square) + square) + nv * sqrt(nl * nl * (ONE - square) + square)
     return fresnel(coat, ONE, lh) * facets * HALF / max(seen, TINY)
 
 
@@ -78,8 +77,8 @@ def facets_over(square, disc, cosine):
     its radius, cosine: the square of that between the normal and its middle."""
     away = (ONE - cosine) / cosine
     inside = disc - away - square
-    root = math.sqrt(inside * inside + FOUR * square * disc)
-    density = HALF * (root + inside) / (root * disc) if inside > ZERO else TWO * square / (root * (root - inside))
+    root = sqrt(inside * inside + FOUR * square * disc)
+    density = where(inside > ZERO, HALF * (root + inside) / (root * disc), TWO * square / (root * (root - inside)))
     return density * INV_PI / (cosine * cosine)
 
 
@@ -129,11 +128,11 @@ def value(a, b, c, seed):
     return np.float32(bits >> np.uint32(8)) * BITS
 
 
-@function
+@inlined
 def scattered(cosine, width):
-    """Return the share of a light's irradiance that leaves a surface on which it falls at a cosine, −1 to 1; width: w
-    of the module's docstring, 0 to 1."""
+    """Return the share of a light's irradiance that leaves a surface on which it falls at cosines, −1 to 1, a vector of
+    lanes; width: w of the module's docstring, 0 to 1."""
     share = max(cosine, ZERO)
-    if width > ZERO and abs(cosine) < width:
-        share = (cosine + width) * (cosine + width) * QUARTER / width
+    if width > ZERO:
+        share = where(abs(cosine) < width, (cosine + width) * (cosine + width) * QUARTER / width, share)
     return share / (ONE + width * width * THIRD)

@@ -11,7 +11,7 @@ import math
 import numpy as np
 
 from ....jit import device, function
-from ....solids.kernels import box, built_in, capsule, other, plane, sphere
+from ....solids.kernels import box, built_in, capsule, custom, plane, sphere
 from ....solids.kernels.built_in import device_if_built_in
 from ...common.kernels import view_columns as at
 from ...common.kernels.numbers import INF, ONE, ZERO
@@ -25,18 +25,18 @@ def meet(solids, which, ox, oy, oz, dx, dy, dz):
     first = built_in.count(solids)  # number of the first without kernels of its own
     if which < first:
         return meet_built_in(solids, which, ox, oy, oz, dx, dy, dz)
-    return other.meet(solids, which - first, ox, oy, oz, dx, dy, dz)
+    return custom.meet(solids, which - first, ox, oy, oz, dx, dy, dz)
 
 
 @function
 def meet_rays(solids, which, rays, found):
-    """Write to `found` what `meet` returns for each of the rays of a pixel (`solids.kernels.other`), which are lost."""
+    """Write to `found` what `meet` returns for each of the rays of a pixel (`kernels.custom`), which are lost."""
     first = built_in.count(solids)
     if which >= first:
-        other.trace_rays(solids, which - first, rays, found)
+        custom.trace_rays(solids, which - first, rays, found)
         return
-    for k in range(other.RAYS):
-        ox, oy, oz, dx, dy, dz = other.ray_of(rays, k)
+    for k in range(custom.RAYS):
+        ox, oy, oz, dx, dy, dz = custom.ray_of(rays, k)
         found[k] = meet(solids, which, ox, oy, oz, dx, dy, dz)
 
 
@@ -60,7 +60,7 @@ def normal(solids, which, x, y, z):
     first = built_in.count(solids)  # number of the first without kernels of its own
     if which < first:
         return normal_built_in(solids, which, x, y, z)
-    return other.normal(solids, which - first, x, y, z)
+    return custom.normal(solids, which - first, x, y, z)
 
 
 @device_if_built_in(lambda solids, m, x, y, z: (ZERO, ONE, ZERO))
@@ -88,7 +88,7 @@ def visibility(solids, x, y, z, lx, ly, lz, reach, skin):
     """
     if visibility_past_built_in(solids, x, y, z, lx, ly, lz, reach, skin) == ZERO:
         return ZERO
-    return other.visibility(solids, x + skin * lx, y + skin * ly, z + skin * lz, lx, ly, lz, reach, skin)
+    return custom.visibility(solids, x + skin * lx, y + skin * ly, z + skin * lz, lx, ly, lz, reach, skin)
 
 
 @device_if_built_in(lambda solids, x, y, z, lx, ly, lz, reach, skin: ONE)

@@ -9,8 +9,8 @@ from ....jit import device, function, inlined
 from ....jit.pruned import device_where
 from ....simd import floor, gather, lane_count, load, pointer, store, where
 from ....simd.local import local_float64
-from ....solids.kernels import other
-from ....solids.kernels.other import put_ray
+from ....solids.kernels import custom
+from ....solids.kernels.custom import put_ray
 from ...common.kernels.batch import RADIANCE
 from ...common.kernels.keys import FIRST, LOW, SHIFT
 from ...common.kernels.numbers import HALF, INF, ONE, ZERO
@@ -108,7 +108,7 @@ def fill_batch(screen, found, i, end, width, solids, work, which):
     return end, n, solid, fine
 
 
-@device_where(other.may_fold, lambda solids, work, which, n, at, column, row, view, solid: n)
+@device_where(custom.may_fold, lambda solids, work, which, n, at, column, row, view, solid: n)
 def fine_points(solids, work, which, n, at, column, row, view, solid):
     """Add to a batch of n points those that stand for the FINE × FINE rays of pixel number `at`: one for the rays that
     meet the solid on each side of its edge. Return how many points there are then."""

@@ -57,7 +57,7 @@ class Solid(NamedTuple):
     """A solid as `strandcli.solids.kernels.distance_field` takes it."""
 
     rows: NDArray[np.float32]
-    """(1, columns) of `strandcli.solids.shapes.other`."""
+    """(1, columns) of `strandcli.solids.custom`."""
 
 
 class Spans(NamedTuple):

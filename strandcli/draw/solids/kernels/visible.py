@@ -9,7 +9,7 @@ from ....jit import device, parallel, prange
 from ....simd.local import local_float64
 from ....solids.kernels import box, built_in, capsule, plane, sphere
 from ....solids.kernels.built_in import device_if_built_in
-from ....solids.kernels.other import RAYS, put_ray
+from ....solids.kernels.custom import RAYS, put_ray
 from ...common.kernels.keys import EMPTY, FIRST, LOW, SHIFT
 from ...common.kernels.numbers import HALF, INF, ONE, ZERO
 from ...common.kernels.view_columns import AXIS_X, AXIS_Y, DEPTH_RANGE, FOCAL, NEAR_PLANE, PERSPECTIVE

@@ -8,7 +8,7 @@ from ....constants import W
 from ....jit import inlined, parallel, prange
 from ....simd import broadcast, half_width_pointer, lane_count, load, load3, pointer, reduce_max, sqrt
 from ....simd.vectors import dot, less
-from ....solids.kernels import box, capsule, other, plane, sphere
+from ....solids.kernels import box, capsule, custom, plane, sphere
 from ....solids.kernels.built_in import device_if_built_in
 from ...rod.kernels.arrays import ROW
 
@@ -48,7 +48,7 @@ def depths(positions, solids, out):
     for b in prange(positions.shape[0]):
         own = np.int64(b)
         most, along = deepest(solids, positions, own)
-        other_most, other_along = other.deepest(solids, positions, own)
+        other_most, other_along = custom.deepest(solids, positions, own)
         out[b, PARTICLES] = max(most, other_most)
         out[b, SEGMENTS] = max(along, other_along)
 

@@ -2,12 +2,13 @@
 
 Coordinates are vectors of lanes, metres. Solids are packed as by `strandcli.solids.pack`, each row followed by its
 motion in this step; all solids of a kind are a pair: pointer to the numbers of all rows, and how many numbers. Meshes
-and SDF shapes come after these, by the functions of a class that `strandcli.solids.shapes.other_code` writes, lane by
+and SDF shapes come after these, by the functions of their class (`strandcli.solids.kernels.compose`), lane by
 lane. Functions that take such functions are inlined: machine code with their addresses could not be cached.
 """
 
 from __future__ import annotations
 
+import functools
 from typing import Any, NamedTuple
 
 from numba.core import types
@@ -18,8 +19,10 @@ from ....jit.pruned import by_type
 from ....simd import any_lane, broadcast, lane, lane_count, load, load3, sqrt, store, store3, where, with_lane
 from ....simd.vectors import add_scaled, dot, less, scaled, select
 from ....solids import COLUMNS
+from ....solids.custom import REACH, X, Y, Z
 from ....solids.kernels import box, capsule, plane, sphere
-from ....solids.shapes.other import REACH, X, Y, Z
+from ....solids.kernels.distance_field import deepest, distance, drift
+from ....solids.kernels.distance_field import normal as normal_at
 from ...rod.kernels.arrays import MOTION
 
 LEAST_SHARE = 0.25
@@ -182,39 +185,38 @@ def of_ball(s, j, near, away, radius, share):
     return consider(s, j, near, size - radius, (x, where(size < TINY, 1.0, y), z), share)
 
 
-@by_type
+@functools.partial(by_type, inline=True)
 def nearest_custom(s, j, near, start, end, past, contact, options):
     """As `nearest`, among custom solids, after those of which some have been ``near``."""
     kind = dict(zip(contact.fields, contact.types, strict=True))["custom"]
     if isinstance(kind, types.NoneType):
         return lambda s, j, near, start, end, past, contact, options: near
-    form = kind.instance_class
-    distance, normal, deepest, drift = form.distance, form.normal, form.deepest, form.drift
+    drifts = None if kind.instance_class.shapes.drift is None else True
     return lambda s, j, near, start, end, past, contact, options: among(
-        s, j, near, start, end, past, contact, options, (contact.custom.all, distance, normal, deepest), drift
+        s, j, near, start, end, past, contact, options, drifts
     )
 
 
 @inlined
-def among(s, j, near, start, end, past, contact, options, shape, drift):
-    """Search among custom solids. ``drift``: how far some of their surfaces move, so that what these carry along slides
-    by less; None where none does."""
+def among(s, j, near, start, end, past, contact, options, drifts):
+    """Search among custom solids. ``drifts``: None where none of their surfaces moves, else what these carry along
+    slides by less."""
+    shapes = contact.custom.all
     for m in range(0, contact.custom.last, contact.custom.columns):
-        if in_reach(shape[0], m, end, options[1]):
-            gap, normal, share = gap_of(shape, m, start, end, options)
+        if in_reach(shapes, m, end, options[1]):
+            gap, normal, share = gap_of(shapes, m, start, end, options)
             if any_lane(gap < options[1]):
                 near = consider(s, j, near, gap, normal, share)
-                at, motion = place(start, end, share), (shape[0].rows, m + contact.custom.columns - MOTION)
+                at, motion = place(start, end, share), (shapes.rows, m + contact.custom.columns - MOTION)
                 near = with_slip(s, j, near, at, motion, past, contact.moved)
-                if drift is not None and contact.moved:
-                    carry(s, j, at, shape[0], m, gap < options[1], drift)
+                if drifts is not None and contact.moved:
+                    carry(s, j, at, shapes, m, gap < options[1])
     return near
 
 
 @inlined
-def gap_of(shape, m, start, end, options):
+def gap_of(shapes, m, start, end, options):
     """Gap and normal of a segment, metres, and where on it; of lanes out of reach the gap is `OUT_OF_REACH`."""
-    shapes, distance, normal, deepest = shape
     whole, reach, first = options
     x, y, z = end
     gap, share = broadcast(x, OUT_OF_REACH), broadcast(x, 1.0)
@@ -230,7 +232,7 @@ def gap_of(shape, m, start, end, options):
                 share = with_lane(share, k, 1.0 * at)
                 a, b, c = p + at * (a - p), q + at * (b - q), r + at * (c - r)
         if d < lane(reach, k):
-            u, v, w = normal(shapes, m, a, b, c)
+            u, v, w = normal_at(shapes, m, a, b, c)
             gap = with_lane(gap, k, 1.0 * d)
             nx = with_lane(nx, k, u)
             ny = with_lane(ny, k, v)
@@ -248,7 +250,7 @@ def in_reach(shapes, m, end, far):
 
 
 @inlined
-def carry(s, j, at, shapes, m, lanes, drift):
+def carry(s, j, at, shapes, m, lanes):
     """Take from the slip what the surface of the solid considered last drifts by, where that is the nearest."""
     mine = lanes & (load(s.nearer, j) > 0.0)
     asked = where(mine, broadcast(at[0], 1.0), 0.0)

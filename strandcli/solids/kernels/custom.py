@@ -1,0 +1,274 @@
+"""Custom solids, in kernels that take `Solids` of any type.
+
+Where these hold none of them the functions are compiled to nothing; where they do, to those of `distance_field`,
+`segment_depth` and `soft_edge`. What the shapes of a type do not need is not compiled for it.
+"""
+
+from __future__ import annotations
+
+import inspect
+from collections.abc import Callable
+from typing import Any
+
+import numpy as np
+
+from ...constants import W
+from ...jit import device, function
+from ...jit.pruned import by_type
+from ...meshes.kernels.rays import RAYS
+from ...simd.local import local_float64
+from ..custom import KIND
+from . import distance_field as field
+from . import segment_depth, soft_edge
+from .distance_field import INF, ONE, ZERO, ray_in_own, through
+
+NOWHERE = (ZERO, ZERO, ZERO)
+FIRST = np.int64(-1)
+
+
+def form_of(solids: Any) -> Any:
+    """The class of the custom solids that a type of `Solids` holds, which has the functions of their shapes; None where
+    it holds none."""
+    return getattr(getattr(solids, "instance_class", None), "custom_class", None)
+
+
+def by_form(otherwise: Any, part: str = "distance_in_own", inline: bool = False) -> Any:
+    """A decorator: kernels that call the function call what it returns for the class of the custom solids among the
+    `Solids` that come first, or ``otherwise`` where that has no such part, a function of the same parameters."""
+
+    def decorate(make: Callable[..., Any]) -> Any:
+        def choose(*types: Any) -> Any:
+            form = form_of(types[0])
+            return otherwise if getattr(form, part, None) is None else make(form)
+
+        choose.__signature__ = inspect.signature(otherwise)  # type: ignore[attr-defined]
+        return by_type(choose, inline)
+
+    return decorate
+
+
+def _has(part):
+    """A function that tells whether the shapes of `Solids` have a part."""
+    return by_form(lambda solids: False, part)(lambda form: lambda solids: True)
+
+
+has_look = _has("look")
+"""Whether any of the shapes of these has a look of its own."""
+takes_vectors = _has("distances_in_own")
+"""Whether `walk` can be called: all of these have distances of vectors."""
+
+
+def may_fold(solids):
+    """Whether a type of `Solids` has shapes that may hide parts of themselves."""
+    form = form_of(solids)
+    return form is not None and any(form.folds)
+
+
+@by_form(lambda solids: 0)
+def count(form):
+    """How many of the `Solids` there are of these."""
+    return lambda solids: solids.custom.shape[0]
+
+
+@by_form(lambda solids, m, ox, oy, oz, dx, dy, dz: INF)
+def meet(form):
+    """`distance_field.trace` of number m of these."""
+    among = form.among
+    return lambda solids, m, ox, oy, oz, dx, dy, dz: field.trace(among(solids), m, ox, oy, oz, dx, dy, dz)
+
+
+@device
+def ray_of(rays, k):
+    """Origin and direction of a ray, in single precision; rays: six rows of `RAYS` numbers."""
+    return (
+        np.float32(rays[k]), np.float32(rays[RAYS + k]), np.float32(rays[2 * RAYS + k]),
+        np.float32(rays[3 * RAYS + k]), np.float32(rays[4 * RAYS + k]), np.float32(rays[5 * RAYS + k]),
+    )  # fmt: skip
+
+
+@device
+def put_ray(rays, k, ray):
+    """Write origin and direction of a ray."""
+    rays[k], rays[RAYS + k], rays[2 * RAYS + k] = ray[0], ray[1], ray[2]
+    rays[3 * RAYS + k], rays[4 * RAYS + k], rays[5 * RAYS + k] = ray[3], ray[4], ray[5]
+
+
+@device
+def trace_together(p, m, rays, found):
+    """Write to `found` what `distance_field.trace` returns for each of the `RAYS` rays, by `meets`; rays are lost."""
+    starts = local_float64()
+    for k in range(RAYS):
+        ox, oy, oz, dx, dy, dz = ray_of(rays, k)
+        t, end = through(p, m, ox, oy, oz, dx, dy, dz)
+        starts[k] = t
+        x, y, z = ox + t * dx, oy + t * dy, oz + t * dz
+        misses = end < t or (t == ZERO and field.distance(p, m, x, y, z) < ZERO)
+        found[k] = -1.0 if misses else np.inf
+        put_ray(rays, k, ray_in_own(p, m, x, y, z, dx, dy, dz))
+    field.meets(p, m, rays, found)
+    for k in range(RAYS):
+        found[k] = np.float32(starts[k]) + np.float32(found[k]) if found[k] >= 0.0 else INF
+
+
+@device
+def trace_each(p, m, rays, found):
+    """The same by `distance_field.trace`."""
+    for k in range(RAYS):
+        ox, oy, oz, dx, dy, dz = ray_of(rays, k)
+        found[k] = field.trace(p, m, ox, oy, oz, dx, dy, dz)
+
+
+@by_form(lambda solids, m, rays, found: None)
+def trace_rays(form):
+    """`meet` of the rays of a pixel: together, or one by one."""
+    among, trace = form.among, trace_each if form.meets is None else trace_together
+    return lambda solids, m, rays, found: trace(among(solids), m, rays, found)
+
+
+@by_form(lambda solids, m, x, y, z: (ZERO, ONE, ZERO))
+def normal(form):
+    """Unit outward normal of number m of these at a point of its surface."""
+    among = form.among
+    if form.look is not None:
+        return lambda solids, m, x, y, z: field.look(among(solids), m, x, y, z, NOWHERE, ZERO, FIRST)[0]
+
+    def found(solids, m, x, y, z):
+        nx, ny, nz = field.normal(among(solids), m, x, y, z)
+        return np.float32(nx), np.float32(ny), np.float32(nz)
+
+    return found
+
+
+@by_form(lambda solids, m, x, y, z, eye, width, before: (NOWHERE, NOWHERE, NOWHERE, before), "look")
+def look(form):
+    """The normal, the place and the colour of number m of these, and a number, as `SolidShape.look`, in the world."""
+    among = form.among
+    return lambda solids, m, x, y, z, eye, width, before: field.look(among(solids), m, x, y, z, eye, width, before)
+
+
+@by_form(lambda solids, m: False)
+def folds(form):
+    """Whether number m of these may hide parts of itself."""
+    kinds = form.folds
+    if not any(kinds):
+        return lambda solids, m: False
+    return lambda solids, m: kinds[int(solids.custom[m, KIND])]
+
+
+@by_form(lambda solids, x, y, z, lx, ly, lz, reach, skin: ONE)
+def visibility(form):
+    """Return 1 if none of these solids is between a point, moved by `skin` along the unit vector l, and a light at the
+    distance `reach`, metres; else 0."""
+    among = form.among
+    return lambda solids, x, y, z, lx, ly, lz, reach, skin: field.visibility_past_all(
+        among(solids), x, y, z, (lx, ly, lz), reach, skin
+    )
+
+
+def _one_by_one(otherwise: Any) -> Any:
+    """A decorator as `by_form`, of functions that are called only where not `takes_vectors`."""
+
+    def decorate(make: Callable[..., Any]) -> Any:
+        return by_form(otherwise)(lambda form: otherwise if form.distances_in_own else make(form))
+
+    return decorate
+
+
+@_one_by_one(lambda solids, x, y, z, lx, ly, lz, reach, skin: ONE)
+def visibility_alone(form):
+    """`visibility` where points are taken one by one, else 1."""
+    return lambda solids, x, y, z, lx, ly, lz, reach, skin: visibility(solids, x, y, z, lx, ly, lz, reach, skin)
+
+
+def parts_of(form):
+    """The parts of the way through a solid's ball that a search for its edge looks at, at the least."""
+    return soft_edge.FINE_ACROSS if form.detailed else soft_edge.ACROSS
+
+
+@_one_by_one(lambda solids, x, y, z, way, light: soft_edge.CLEAR)
+def lowest_sine(form):
+    """`soft_edge.least_sine` of all of these; `CLEAR` where there are none."""
+    among, parts = form.among, parts_of(form)
+    return lambda solids, x, y, z, way, light: soft_edge.least_sine_of_all(parts, among(solids), x, y, z, way, light)
+
+
+@_one_by_one(lambda solids, x, y, z: INF)
+def least_distance(form):
+    """A distance, metres, that no surface of these is nearer than; negative inside of one."""
+    among = form.among
+    return lambda solids, x, y, z: field.least_distance_of_all(among(solids), x, y, z)
+
+
+@by_form(lambda solids, x, y, z, clear: (x, y, z))
+def outside(form):
+    """A point, moved to `clear` metres off the surfaces of these."""
+    among = form.among
+    return lambda solids, x, y, z, clear: field.put_outside_all(among(solids), x, y, z, clear)
+
+
+@by_form(lambda solids, positions, b: (ZERO, ZERO))
+def deepest(form):
+    """Greatest depth of a block's particles in these and of its segments, metres."""
+    among = form.among
+    return lambda solids, positions, b: segment_depth.deepest_of_block(among(solids), positions, b)
+
+
+@by_form(lambda solids, x, y, z, most: most)
+def deepen(form):
+    """The greatest of depths and of those of points in these, metres; vectors of lanes."""
+    among, deepen = form.among, segment_depth.deepen_vectors if form.distances_in_own else segment_depth.deepen_lanes
+    return lambda solids, x, y, z, most: deepen(among(solids), x, y, z, most)
+
+
+@by_form(lambda solids, x, y, z: (x, x, x, x), "slopes_in_own", inline=True)
+def nearest_slope(form):
+    """The distances of points from the nearest of these, metres, and their gradients there; vectors of lanes."""
+    among = form.among
+    return lambda solids, x, y, z: segment_depth.nearest_slope_of_all(among(solids), x, y, z)
+
+
+@by_form(
+    lambda solids, m, point, way, light: (
+        (point[0], point[1], point[2], way[0], way[1], way[2]), light[0], light[0]
+    ), "distances_in_own", inline=True,
+)  # fmt: skip
+def begin_walk(form):
+    """`soft_edge.begin` of number m of these; nothing to walk where they have no distances of vectors."""
+    among, parts = form.among, parts_of(form)
+    return lambda solids, m, point, way, light: soft_edge.begin(parts, among(solids), m, point, way, light)
+
+
+@by_form(lambda solids, m, some, others, most: (some[1], some[3], others[1], others[3]), "distances_in_own")
+def walk(form):
+    """`soft_edge.walk` of number m of these."""
+    among, parts = form.among, parts_of(form)
+    return lambda solids, m, some, others, most: soft_edge.walk(parts, among(solids), m, some, others, most)
+
+
+@by_form(lambda solids, m, ray, most: (ray[1], ray[3]), "distances_in_own")
+def walk_alone(form):
+    """`soft_edge.walk_alone` of number m of these."""
+    among, parts = form.among, parts_of(form)
+    return lambda solids, m, ray, most: soft_edge.walk_alone(parts, among(solids), m, ray, most)
+
+
+@function
+def distances(p, m, points, out):
+    """Write the distances (k,) of points (k, 3) from solid m of custom solids."""
+    for k in range(points.shape[0]):
+        out[k] = field.distance(p, m, points[k, 0], points[k, 1], points[k, 2])
+
+
+def collide(x: Any, parent: Any, grandparent: Any, root: Any, length: Any, p: Any, i: int, n: int) -> None:
+    """Put particles inside of custom solids onto their surfaces, as `sphere.collide`."""
+    for m in range(p.rows.shape[0]):
+        for k in range(W):
+            x[k], x[W + k], x[2 * W + k] = field.put_outside(p, m, x[k], x[W + k], x[2 * W + k], ZERO)
+
+
+def catch(x: Any, parent: Any, grandparent: Any, root: Any, length: Any, p: Any, i: int, n: int) -> None:
+    """Bring segments out of custom solids by turning them."""
+    for m in range(p.rows.shape[0]):
+        for k in range(W):
+            begin = parent[k], parent[W + k], parent[2 * W + k]
+            x[k], x[W + k], x[2 * W + k] = segment_depth.put_segment_outside(p, m, begin, x[k], x[W + k], x[2 * W + k])
