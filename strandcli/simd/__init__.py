@@ -57,7 +57,6 @@ from .memory import (
     load,
     load3,
     load_deinterleaved,
-    padded,
     pointer,
     prefetch,
     prefetch3,

@@ -6,7 +6,6 @@ import operator
 from collections.abc import Callable
 from typing import Any
 
-import numpy as np
 from llvmlite import ir
 from numba.core import cgutils, types
 from numba.core.cgutils import get_or_insert_function
@@ -14,10 +13,9 @@ from numba.core.extending import intrinsic, lower_builtin
 from numba.core.typing.templates import AbstractTemplate, infer_global, signature
 
 from ..constants import VECTOR
-from ..jit import device, inlined
+from ..jit import device
 from .kinds import PointerType, VectorType, places_of, vector_of, widened
 
-LOOP, LOOPS = np.int64(63), np.int64(-64)
 FOR_READING, SECOND_CACHE, DATA = 0, 2, 1
 """What LLVM's prefetch is told."""
 
@@ -188,13 +186,6 @@ def gather(typingctx: Any, rows: Any, o: Any, x: Any, stride: Any, y: Any) -> An
         return builder.call(gather, [places, size, mask, ir.Constant(wide, ir.Undefined)])
 
     return vector_of(rows)(rows, o, x, stride, y), emit
-
-
-@inlined
-def padded(n):
-    """So many, rounded up to whole turns of LLVM's vector loops: a loop over as many numbers has no rest, whose
-    code would be as long and take as long to compile. `W` is a multiple of it."""
-    return (n + LOOP) & LOOPS
 
 
 @device

@@ -24,7 +24,7 @@ class Kind(NamedTuple):
     """A kind of solids: what its shape has of `strandcli.scene.model.solids.SolidShape`."""
 
     name: str
-    count: int
+    numbers: int
     """How many numbers its functions are given."""
     parts: dict[str, Any]
     """Its functions by their names."""
@@ -41,8 +41,9 @@ def composed(module: str, name: str, kinds: Sequence[Kind]) -> tuple[Any, Any, A
         [f"data_{place}_{field}" for field in one.data._fields] if one.data else [] for place, one in enumerate(kinds)
     ]
     every = [field for some in fields for field in some]
-    custom: Any = namedtuple(f"Custom_{name}", ["rows", *every])
-    solids: Any = namedtuple(name, [*Solids._fields, "custom", *every])
+    named: Any = namedtuple
+    custom = named(f"Custom_{name}", ["rows", *every])
+    solids = named(name, [*Solids._fields, "custom", *every])
     lone: Any = type(f"Lone{name}", (solids,), {"__slots__": (), "built_in": False})
     for one in (custom, solids, lone):
         one.__module__, one.custom_class = module, custom
@@ -106,7 +107,7 @@ def _either(place: int, first: Any, second: Any) -> Any:
 
 def _given(kind: Kind, fields: Sequence[str]) -> Any:
     """A function (p, m) of what follows the coordinates in a call of a shape's function: its numbers, and its data."""
-    own = "".join(f"number(p, m, {NUMBERS + k}), " for k in range(kind.count))
+    own = "".join(f"number(p, m, {NUMBERS + k}), " for k in range(kind.numbers))
     data = f"Data({_listed('p', fields)})," if kind.data else ""
     return _expression(f"lambda p, m: (({own}), {data})", number=number, Data=kind.data)
 

@@ -19,7 +19,6 @@ import numpy as np
 from numpy.typing import NDArray
 
 from ....jit import device, function, inlined
-from ....simd import padded
 from ...common.kernels.approximations import acos, asin, clamp, exp2
 from ...common.kernels.batch import EX, LX, NODE_X, NODE_Y, REST, TRT, TT, TX, R, vector_at
 from ...common.kernels.numbers import ONE, ZERO
@@ -99,7 +98,7 @@ def tilted(sin_l, cos_l, sin_v, cos_v, lobes, p):
 @device
 def highlights(work, n, lights, i, tables):
     """Add the light that strands scatter once, as `kernels.marschner.highlights`; tables: `ChiangArrays`."""
-    for k in range(padded(n)):
+    for k in range(n):
         x, y, r, tt, trt, rest = longitudinal(
             vector_at(work, TX, k), vector_at(work, LX, k), vector_at(work, EX, k), tables.lobes
         )

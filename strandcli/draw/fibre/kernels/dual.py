@@ -10,7 +10,7 @@ from numpy.typing import NDArray
 
 from ....constants import W
 from ....jit import device, function, inlined
-from ....simd import floor, gather4, lane_count, load, padded, pointer, store, store3
+from ....simd import floor, gather4, lane_count, load, pointer, store, store3
 from ...common.kernels import batch as row
 from ...common.kernels.approximations import asin, clamp, exp
 from ...common.kernels.batch import ARRIVES, COLOUR, LX, LY, LZ, RADIANCE, TX, TY, TZ
@@ -128,7 +128,7 @@ def dual_scattering(work, n, lights, one, tables):
     """
     rows = tables.rows
     nodes = rows.shape[0]
-    for k in range(padded(n)):
+    for k in range(n):
         sin_l, cos_l, sin_v, cos_v, cos_phi, place = angles(
             row.vector_at(work, row.TX, k), row.vector_at(work, row.LX, k), row.vector_at(work, row.EX, k), nodes
         )
@@ -139,7 +139,7 @@ def dual_scattering(work, n, lights, one, tables):
         work[row.COS_PHI + k] = cos_phi
         work[row.PLACE + k] = place
     look_up(work, n, rows)
-    for k in range(padded(n)):
+    for k in range(n):
         back, through = lobes(
             work[row.SIN_L + k], work[row.COS_L + k], work[row.SIN_V + k], work[row.COS_V + k], work[row.PASSED + k],
             work[row.TABLE + SPREAD * W + k], work[row.TABLE + WIDTH * W + k],

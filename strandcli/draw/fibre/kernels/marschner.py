@@ -22,7 +22,6 @@ import numpy as np
 from numpy.typing import NDArray
 
 from ....jit import device, inlined
-from ....simd import padded
 from ...common.kernels.approximations import acos, asin, clamp, exp2
 from ...common.kernels.batch import EX, LX, NODE_X, NODE_Y, TRT, TT, TX, R, vector_at
 from ...common.kernels.numbers import ONE, TWO, ZERO
@@ -85,7 +84,7 @@ def highlights(work, n, lights, i, tables):
     radiance is added to, finite and not negative whatever they are; lights: columns of `light_columns`; tables:
     `MarschnerArrays`.
     """
-    for k in range(padded(n)):
+    for k in range(n):
         x, y, r, tt, trt = longitudinal(
             vector_at(work, TX, k), vector_at(work, LX, k), vector_at(work, EX, k), tables.lobes
         )

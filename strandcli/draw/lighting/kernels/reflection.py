@@ -30,17 +30,36 @@ def arrive(work, n, i, lights, shadows, solids, loss, depth):
     aim(work, n, rows, i)
     rise(work, n, lights.skin, depth)
     if custom.has_look(solids):
-        for k in range(3 * W):  # on to where shadow rays begin
-            work[X + k] += work[LIFT + k]
+        lift(work, n)
     if depth > ZERO:
         bend(work, n, rows, i)
     past_solids(work, n, rows, i, solids, lights.skin, lights.sized)
-    for k in range(3 * W):
-        work[X + k] = work[PX + k]
+    copy(work, n, POINTS, RAYS)
     if depth > ZERO:
-        for k in range(3 * W):  # and straight to the light again
-            work[LX + k] = work[TRUE_X + k]
+        copy(work, n, TRUE, LIGHT)  # and straight to the light again
     past_strands(work, n, rows, i, shadows, loss)
+
+
+POINTS, RAYS, TRUE, LIGHT = (np.int64(row) for row in (PX, X, TRUE_X, LX))
+
+
+@device
+def copy(work, n, source, to):
+    """Copy the first n numbers of three rows."""
+    rows = pointer(work)
+    for k in range(0, n, lane_count(rows)):
+        x, y, z = load3(rows, source + k, W)
+        store3(rows, to + k, W, x, y, z)
+
+
+@device
+def lift(work, n):
+    """Move points on to where shadow rays begin."""
+    rows = pointer(work)
+    for k in range(0, n, lane_count(rows)):
+        x, y, z = load3(rows, X + k, W)
+        u, v, w = load3(rows, LIFT + k, W)
+        store3(rows, X + k, W, x + u, y + v, z + w)
 
 
 @device
@@ -52,16 +71,15 @@ def past_strands(work, n, lights, i, shadows, loss):
     if lights[i, MAP_LAYERS] > ZERO:
         percentage_closer.transmittance(work, n, lights, i, loss, shadows)
     else:
-        for k in range(3 * W):
-            work[LEFT + k] = ONE
+        rows = pointer(work)
+        for k in range(0, n, lane_count(rows)):
+            store3(rows, LEFT + k, W, ONE, ONE, ONE)
 
 
 @device
 def rise(work, n, skin, depth):
     """Move points above the surface, store the cosine to the light, and stop light from behind the surface; depth: the
     least cosine that counts as in front is minus this."""
-    for k in range(3 * W):
-        work[PX + k] = work[X + k]
     rows = pointer(work)
     for k in range(0, n, lane_count(rows)):
         nx, ny, nz = load3(rows, NX + k, W)
@@ -70,6 +88,7 @@ def rise(work, n, skin, depth):
         store(rows, COSINE + k, cosine)
         store(rows, ARRIVES + k, where(cosine <= -depth, ZERO, load(rows, ARRIVES + k)))
         x, y, z = load3(rows, X + k, W)
+        store3(rows, PX + k, W, x, y, z)
         store3(rows, X + k, W, x + nx * skin, y + ny * skin, z + nz * skin)
 
 

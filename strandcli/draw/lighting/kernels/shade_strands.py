@@ -64,7 +64,7 @@ def strands(vertices, paint, surround, tables, dual, lights, shadows, solids, wi
     for turn in prange(places(tasks)):
         task = task_at(np.int64(turn), tasks)
         work = np.empty(row.ROWS * W, np.float32)
-        work[:] = ZERO  # what is in lanes that no vertex is in must not be slow numbers
+        work[row.EXTRA : row.EXTRA + 3 * W] = ZERO
         which = np.empty(W, np.int64)
         marked = np.empty(longest(vertices.first, task * STRANDS, min((task + 1) * STRANDS, count)), np.int64)
         n = np.int64(0)  # with a literal, Numba would compile the functions below twice

@@ -45,7 +45,6 @@ def surfaces(screen, surround, strands, lights, shadows, solids, coating, image)
         found = np.empty(PIXELS, np.int64)
         end = find_pixels(screen, first, min(first + PIXELS, last), width, found)
         work = np.empty(ROWS * W, np.float32)
-        work[:] = ZERO  # what is in lanes that no point is in must not be slow numbers
         which = np.empty(W, np.int64)
         way = mirror.Rays(
             work, np.empty(mirror.room(coating.mirrors, mirror.RAYS * W), np.float32), np.empty(W, np.int64),

@@ -7,7 +7,7 @@ import numpy as np
 from ....constants import W
 from ....jit import device
 from ....jit.indices import FIRST, SECOND, THIRD
-from ....simd import broadcast, lane_count, load, load3, padded, pointer, sqrt, store, store3
+from ....simd import broadcast, lane_count, load, load3, pointer, sqrt, store, store3
 from ....solids.kernels import built_in, sphere
 from ....solids.kernels.built_in import device_if_built_in
 from ...common.kernels import surface_batch as surface
@@ -189,7 +189,7 @@ def patch(work, n, coats, which):
 @device
 def mottle(work, n, strength, grain):
     """Multiply the light under a coat by that of patches; grain: width of the largest, metres."""
-    for k in range(padded(n)):
+    for k in range(n):
         work[surface.TONE + k] = ZERO
     size, weight = grain, HALF
     for octave in range(coat.OCTAVES):
@@ -197,12 +197,12 @@ def mottle(work, n, strength, grain):
         for k in range(n):
             least = min(least, work[surface.ACROSS + k])
         if least < size:  # finer octaves are not shown at all
-            for k in range(padded(n)):
+            for k in range(n):
                 x, y, z = vector_at(work, X, k)
                 work[surface.TONE + k] = coat.add_octave(
                     work[surface.TONE + k], x, y, z, size, work[surface.ACROSS + k], weight, np.uint32(octave)
                 )
         size *= HALF
         weight *= coat.FAINTER
-    for k in range(padded(n)):
+    for k in range(n):
         work[surface.UNDER + k] *= ONE + strength * min(max(work[surface.TONE + k], -ONE), ONE)
