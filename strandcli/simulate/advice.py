@@ -239,7 +239,9 @@ def depth(points: Floats, solid: Any, emitter: Emitter, time: float = 0.0) -> Fl
     """Return (k,) the depth of points (k, 3) below a solid's surface at a time; outside it is at most 0 and not less
     than the negative distance."""
     if solid.kind not in solids.SHAPES:
+        from ..solids.kernels.custom import depth as depth_in
+
         row = custom.pack([solid], [solid_pose(solid, emitter, time)], np.float64)[0]
-        return custom.depth(solid, row, points, time)
+        return depth_in(solid, row, points, time)
     row = solids.pack(solid.kind, [solid], emitter, time, np.float64)[0]
     return np.asarray(solids.SHAPES[solid.kind].depth(row, points))

@@ -103,25 +103,6 @@ def together(solids: Sequence[Any], rows: NDArray[Any], time: float) -> Any:
     return module_for(solids).Custom(rows, *data_of(solids, time))
 
 
-def depth(solid: Any, row: NDArray[np.float64], points: NDArray[np.float64], time: float = 0.0) -> NDArray[np.float64]:
-    """(k,) depth of points (k, 3) below the surface of a packed solid at a time, metres; not positive outside."""
-    shape: Any = shape_of(solid.kind)
-    own = (points - row[:3]) @ row[ROW_X:REACH].reshape(3, 3)
-    outside = np.linalg.norm(own, axis=1) - row[REACH]
-    if has_data(shape):
-        from .kernels.custom import distances
-
-        found = outside.copy()
-        near = np.flatnonzero(outside <= 0)
-        away = np.zeros(len(near))
-        distances(together([solid], row[None], time), 0, np.ascontiguousarray(points[near]), away)
-        found[near] = away
-        return -found
-    given = tuple(row[NUMBERS:].tolist())
-    pairs = zip(outside.tolist(), own.tolist(), strict=True)
-    return np.array([-far if far > 0 else -float(shape.distance(*one, given)) for far, one in pairs])
-
-
 def module_for(solids: Sequence[Any]) -> Any:
     """The module of the kinds of some solids, with the classes of named tuples `Custom`, of their rows and data alone,
     `Solids` and `LoneSolids`, where there are no solids but these. Raises `UsageError` for a function that an import

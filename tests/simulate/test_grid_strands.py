@@ -24,6 +24,7 @@ from strandcli.simulate.grid.kernels.records import (
 from strandcli.simulate.health import crowding
 from strandcli.simulate.rod.solver import RodSolver
 from strandcli.solids import custom
+from strandcli.solids.kernels.custom import depth
 from strandcli.study.stress import run as stress
 from tests.simulate.test_grid import BALL, prepare, rows
 
@@ -202,7 +203,7 @@ def test_room_is_what_a_mesh_leaves_of_cells_and_is_kept_while_it_stands_still(
     low, size = box[LOW : LOW + 3], box[SIZE : SIZE + 3]
     z, y, x = np.meshgrid(*(crowd.cell * (low[c] + np.arange(size[c]) + 0.5) for c in (2, 1, 0)), indexing="ij")
     row = custom.pack([solid], [solid_pose(solid, solver.scene.emitter, 0.0)], np.float64)[0]
-    far = custom.depth(solid, row, np.stack([x, y, z], -1).reshape(-1, 3)).reshape(x.shape) / -crowd.cell
+    far = depth(solid, row, np.stack([x, y, z], -1).reshape(-1, 3)).reshape(x.shape) / -crowd.cell
     beyond = 0.5 * np.maximum(1 - np.abs(far), 0) ** 2
     wanted = np.where(far > 0, 1 - beyond, np.where(far > -0.95, beyond, 0))
     wanted[~crowd.near] = 1

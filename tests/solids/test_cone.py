@@ -16,7 +16,7 @@ from strandcli.scene.model import Emitter
 from strandcli.scene.motion import solid_pose
 from strandcli.solid_shapes import cone
 from strandcli.solids import pack_all
-from strandcli.solids.custom import depth as depth_by_distance
+from strandcli.solids.kernels.custom import depth as depth_by_distance
 
 Floats = NDArray[np.float64]
 STILL = Emitter()

@@ -6,18 +6,19 @@ Where these hold none of them the functions are compiled to nothing; where they 
 
 from __future__ import annotations
 
-import inspect
 from collections.abc import Callable
 from typing import Any
 
 import numpy as np
+from numpy.typing import NDArray
 
 from ...constants import W
 from ...jit import device, function
 from ...jit.pruned import by_type
 from ...meshes.kernels.rays import RAYS
+from ...scene.model.solids import has_data, shape_of
 from ...simd.local import local_float64
-from ..custom import KIND
+from ..custom import KIND, NUMBERS, REACH, ROW_X, together
 from . import distance_field as field
 from . import segment_depth, soft_edge
 from .distance_field import INF, ONE, ZERO, ray_in_own, through
@@ -34,17 +35,38 @@ def form_of(solids: Any) -> Any:
 
 def by_form(otherwise: Any, part: str = "distance_in_own", inline: bool = False) -> Any:
     """A decorator: kernels that call the function call what it returns for the class of the custom solids among the
-    `Solids` that come first, or ``otherwise`` where that has no such part, a function of the same parameters."""
+    `Solids` that come first, or ``otherwise`` where that has no such part."""
 
     def decorate(make: Callable[..., Any]) -> Any:
-        def choose(*types: Any) -> Any:
-            form = form_of(types[0])
+        def choose(solids: Any, *rest: Any) -> Any:
+            form = form_of(solids)
             return otherwise if getattr(form, part, None) is None else make(form)
 
-        choose.__signature__ = inspect.signature(otherwise)  # type: ignore[attr-defined]
-        return by_type(choose, inline)
+        return by_type(choose, inline, strict=False)
 
     return decorate
+
+
+def of_custom(function: Any, otherwise: Any, part: str = "distance_in_own", inline: bool = False) -> Any:
+    """A function of `Solids` and more: ``function`` of the custom ones among them, as `by_form` has it."""
+
+    @by_form(otherwise, part, inline)
+    def make(form: Any) -> Any:
+        among = form.among
+        return lambda solids, *given: function(among(solids), *given)
+
+    return make
+
+
+def one_by_one(function: Any, otherwise: Any) -> Any:
+    """As `of_custom`, of a function that is called only where not `takes_vectors`; ``otherwise`` elsewhere."""
+
+    @by_form(otherwise)
+    def make(form: Any) -> Any:
+        among = form.among
+        return otherwise if form.distances_in_own else lambda solids, *given: function(among(solids), *given)
+
+    return make
 
 
 def _has(part):
@@ -70,11 +92,8 @@ def count(form):
     return lambda solids: solids.custom.shape[0]
 
 
-@by_form(lambda solids, m, ox, oy, oz, dx, dy, dz: INF)
-def meet(form):
-    """`distance_field.trace` of number m of these."""
-    among = form.among
-    return lambda solids, m, ox, oy, oz, dx, dy, dz: field.trace(among(solids), m, ox, oy, oz, dx, dy, dz)
+meet = of_custom(field.trace, lambda solids, m, ox, oy, oz, dx, dy, dz: INF)
+"""`distance_field.trace` of number m of these."""
 
 
 @device
@@ -139,11 +158,8 @@ def normal(form):
     return found
 
 
-@by_form(lambda solids, m, x, y, z, eye, width, before: (NOWHERE, NOWHERE, NOWHERE, before), "look")
-def look(form):
-    """The normal, the place and the colour of number m of these, and a number, as `SolidShape.look`, in the world."""
-    among = form.among
-    return lambda solids, m, x, y, z, eye, width, before: field.look(among(solids), m, x, y, z, eye, width, before)
+look = of_custom(field.look, lambda solids, m, x, y, z, eye, width, before: (NOWHERE, NOWHERE, NOWHERE, before), "look")
+"""The normal, the place and the colour of number m of these, and a number, as `SolidShape.look`, in the world."""
 
 
 @by_form(lambda solids, m: False)
@@ -155,29 +171,13 @@ def folds(form):
     return lambda solids, m: kinds[int(solids.custom[m, KIND])]
 
 
-@by_form(lambda solids, x, y, z, lx, ly, lz, reach, skin: ONE)
-def visibility(form):
-    """Return 1 if none of these solids is between a point, moved by `skin` along the unit vector l, and a light at the
-    distance `reach`, metres; else 0."""
-    among = form.among
-    return lambda solids, x, y, z, lx, ly, lz, reach, skin: field.visibility_past_all(
-        among(solids), x, y, z, (lx, ly, lz), reach, skin
-    )
-
-
-def _one_by_one(otherwise: Any) -> Any:
-    """A decorator as `by_form`, of functions that are called only where not `takes_vectors`."""
-
-    def decorate(make: Callable[..., Any]) -> Any:
-        return by_form(otherwise)(lambda form: otherwise if form.distances_in_own else make(form))
-
-    return decorate
-
-
-@_one_by_one(lambda solids, x, y, z, lx, ly, lz, reach, skin: ONE)
-def visibility_alone(form):
-    """`visibility` where points are taken one by one, else 1."""
-    return lambda solids, x, y, z, lx, ly, lz, reach, skin: visibility(solids, x, y, z, lx, ly, lz, reach, skin)
+VISIBLE = lambda solids, x, y, z, lx, ly, lz, reach, skin: ONE  # noqa: E731
+visibility, visibility_alone = (
+    of_custom(field.visibility_past_all, VISIBLE),
+    one_by_one(field.visibility_past_all, VISIBLE),
+)
+"""1 if none of these solids is between a point, moved by `skin` along the unit vector l, and a light at the distance
+`reach`, metres; else 0. The second is 1, too, where they take vectors."""
 
 
 def parts_of(form):
@@ -185,32 +185,21 @@ def parts_of(form):
     return soft_edge.FINE_ACROSS if form.detailed else soft_edge.ACROSS
 
 
-@_one_by_one(lambda solids, x, y, z, way, light: soft_edge.CLEAR)
+@by_form(lambda solids, x, y, z, way, light: soft_edge.CLEAR)
 def lowest_sine(form):
-    """`soft_edge.least_sine` of all of these; `CLEAR` where there are none."""
+    """`soft_edge.least_sine` of all of these; `CLEAR` where they take vectors."""
     among, parts = form.among, parts_of(form)
+    if form.distances_in_own:
+        return lambda solids, x, y, z, way, light: soft_edge.CLEAR
     return lambda solids, x, y, z, way, light: soft_edge.least_sine_of_all(parts, among(solids), x, y, z, way, light)
 
 
-@_one_by_one(lambda solids, x, y, z: INF)
-def least_distance(form):
-    """A distance, metres, that no surface of these is nearer than; negative inside of one."""
-    among = form.among
-    return lambda solids, x, y, z: field.least_distance_of_all(among(solids), x, y, z)
-
-
-@by_form(lambda solids, x, y, z, clear: (x, y, z))
-def outside(form):
-    """A point, moved to `clear` metres off the surfaces of these."""
-    among = form.among
-    return lambda solids, x, y, z, clear: field.put_outside_all(among(solids), x, y, z, clear)
-
-
-@by_form(lambda solids, positions, b: (ZERO, ZERO))
-def deepest(form):
-    """Greatest depth of a block's particles in these and of its segments, metres."""
-    among = form.among
-    return lambda solids, positions, b: segment_depth.deepest_of_block(among(solids), positions, b)
+least_distance = one_by_one(field.least_distance_of_all, lambda solids, x, y, z: INF)
+"""A distance, metres, that no surface of these is nearer than; negative inside of one."""
+outside = of_custom(field.put_outside_all, lambda solids, x, y, z, clear: (x, y, z))
+"""A point, moved to `clear` metres off the surfaces of these."""
+deepest = of_custom(segment_depth.deepest_of_block, lambda solids, positions, b: (ZERO, ZERO))
+"""Greatest depth of a block's particles in these and of its segments, metres."""
 
 
 @by_form(lambda solids, x, y, z, most: most)
@@ -220,11 +209,10 @@ def deepen(form):
     return lambda solids, x, y, z, most: deepen(among(solids), x, y, z, most)
 
 
-@by_form(lambda solids, x, y, z: (x, x, x, x), "slopes_in_own", inline=True)
-def nearest_slope(form):
-    """The distances of points from the nearest of these, metres, and their gradients there; vectors of lanes."""
-    among = form.among
-    return lambda solids, x, y, z: segment_depth.nearest_slope_of_all(among(solids), x, y, z)
+nearest_slope = of_custom(
+    segment_depth.nearest_slope_of_all, lambda solids, x, y, z: (x, x, x, x), "slopes_in_own", inline=True
+)
+"""The distances of points from the nearest of these, metres, and their gradients there; vectors of lanes."""
 
 
 @by_form(
@@ -257,6 +245,23 @@ def distances(p, m, points, out):
     """Write the distances (k,) of points (k, 3) from solid m of custom solids."""
     for k in range(points.shape[0]):
         out[k] = field.distance(p, m, points[k, 0], points[k, 1], points[k, 2])
+
+
+def depth(solid: Any, row: NDArray[np.float64], points: NDArray[np.float64], time: float = 0.0) -> NDArray[np.float64]:
+    """(k,) depth of points (k, 3) below the surface of a packed solid at a time, metres; not positive outside."""
+    shape: Any = shape_of(solid.kind)
+    own = (points - row[:3]) @ row[ROW_X:REACH].reshape(3, 3)
+    outside = np.linalg.norm(own, axis=1) - row[REACH]
+    if has_data(shape):
+        found = outside.copy()
+        near = np.flatnonzero(outside <= 0)
+        away = np.zeros(len(near))
+        distances(together([solid], row[None], time), 0, np.ascontiguousarray(points[near]), away)
+        found[near] = away
+        return -found
+    given = tuple(row[NUMBERS:].tolist())
+    pairs = zip(outside.tolist(), own.tolist(), strict=True)
+    return np.array([-far if far > 0 else -float(shape.distance(*one, given)) for far, one in pairs])
 
 
 def collide(x: Any, parent: Any, grandparent: Any, root: Any, length: Any, p: Any, i: int, n: int) -> None:

@@ -8,10 +8,7 @@ address, the place where a row begins. `distance`, `normal`, `meet`, `hides` are
 
 from __future__ import annotations
 
-import functools
-import inspect
 import math
-from collections.abc import Callable
 from typing import Any
 
 import numpy as np
@@ -40,74 +37,27 @@ OUT = np.float32(1e-6)
 """Depth, as a share of a solid's reach, from which on a point is not moved any more: ten times the rounding."""
 
 
-def of_class(stub: Callable[..., Any], inline: bool = False) -> Any:
-    """A decorator: kernels call the function of this name that the class of their first argument has."""
+def of_class(name: str, inline: bool = False) -> Any:
+    """A function of custom solids: kernels that call it call that of this name that the class of p has."""
 
-    def choose(*kinds: Any) -> Any:
-        return getattr(kinds[0].instance_class, stub.__name__)
+    def choose(p: Any, *rest: Any) -> Any:
+        return getattr(p.instance_class, name)
 
-    choose.__signature__ = inspect.signature(stub)  # type: ignore[attr-defined]
     return by_type(choose, inline, strict=False)
 
 
-inlined_of_class = functools.partial(of_class, inline=True)
-
-
-@of_class
-def distance_in_own(p, m, u, v, w):
-    """Distance of a point, in the frame of solid m, from its surface."""
-
-
-@inlined_of_class
-def distances_in_own(p, m, u, v, w):
-    """Distances of vectors of points, in the frame of solid m, from its surface."""
-
-
-@inlined_of_class
-def slopes_in_own(p, m, u, v, w):
-    """The same, and their gradients."""
-
-
-@of_class
-def bounds(p, m):
-    """Low and high corner, in the frame of solid m, of a box that no point is nearer to the solid than to."""
-
-
-@of_class
-def normal(p, m, x, y, z):
-    """Unit outward normal of solid m where the surface is nearest to a point."""
-
-
-@of_class
-def deepest(p, m, begin, edge):
-    """The share of a segment after which it is deepest in solid m, and the depth there."""
-
-
-@of_class
-def meet(p, m, x, y, z, dx, dy, dz, end):
-    """Where a ray that begins outside of solid m meets it, in units of |d|; inf where it does not up to `end`."""
-
-
-@of_class
-def meets(p, m, rays, found):
-    """Where rays first meet solid m, of its own frame, as `meets` of `SolidShape`."""
-
-
-@of_class
-def hides(p, m, x, y, z, way, reach, skin):
-    """Whether solid m stands between a point and a light at reach along a unit vector."""
-
-
-@of_class
-def look(p, m, x, y, z, eye, width, before):
-    """How solid m looks at a point of its surface: the normal, where shadow rays begin, and the colour; a negative one
-    is that of the solid. And a number, which comes back as ``before`` with a point nearby; -1: none. eye: unit vector
-    to the eye; width: that of a pixel there."""
-
-
-@of_class
-def drift(p, m, x, y, z):
-    """How far the point of the surface of solid m nearest to a point came since the step before."""
+distance_in_own, normal, meet, hides = map(of_class, ("distance_in_own", "normal", "meet", "hides"))
+"""(p, m, u, v, w): distance of a point, in the frame of solid m. (p, m, x, y, z): unit outward normal where the surface
+is nearest to a point. (p, m, x, y, z, dx, dy, dz, end): where a ray that begins outside meets it, in units of |d|; inf
+where it does not up to `end`. (p, m, x, y, z, way, reach, skin): whether it stands between a point and a light."""
+meets, look, drift = map(of_class, ("meets", "look", "drift"))
+"""(p, m, rays, found), (p, m, x, y, z, eye, width, before), (p, m, x, y, z): as `SolidShape` has them, the last two in
+the world."""
+bounds, deepest = of_class("bounds"), of_class("deepest")
+"""(p, m): low and high corner, in the frame of solid m, of a box that no point is nearer to the solid than to.
+(p, m, begin, edge): the share of a segment after which it is deepest, and the depth there."""
+distances_in_own, slopes_in_own = of_class("distances_in_own", inline=True), of_class("slopes_in_own", inline=True)
+"""(p, m, u, v, w): distances of vectors of points, in the frame of solid m; and these with their gradients."""
 
 
 @device
@@ -318,9 +268,9 @@ def least_distance_of_all(p, x, y, z):
 
 
 @device
-def visibility_past_all(p, x, y, z, way, reach, skin):
+def visibility_past_all(p, x, y, z, lx, ly, lz, reach, skin):
     """Return 1 if `hides` is false for all of these solids, else 0."""
     for m in range(p.rows.shape[0]):
-        if hides(p, m, x, y, z, way, reach, skin):
+        if hides(p, m, x, y, z, (lx, ly, lz), reach, skin):
             return ZERO
     return ONE

@@ -12,7 +12,8 @@ from ...common.kernels.light_columns import POWER_B, POWER_G, POWER_R
 from ...common.kernels.numbers import ONE, ZERO
 from ...coverage.kernels.resolve import OPAQUE
 from ...coverage.kernels.tiles import PIXELS, TILE_WIDTH, between, tile_at
-from ...lighting.kernels.shade_strands import aim, past_solids, past_strands
+from ...lighting.kernels.light import aim
+from ...lighting.kernels.shade_strands import past_solids, past_strands
 from ...solids.kernels import rays
 
 RED, GREEN, BLUE = np.float32(0.2126), np.float32(0.7152), np.float32(0.0722)

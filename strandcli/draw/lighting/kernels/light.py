@@ -9,8 +9,8 @@ import numpy as np
 from ....constants import W
 from ....jit import device, inlined
 from ....jit.indices import FIRST, SECOND
-from ....simd import lane_count, load, load3, pointer, store
-from ...common.kernels.batch import COLOUR, RADIANCE, TX, X
+from ....simd import lane_count, load, load3, pointer, sqrt, store, store3
+from ...common.kernels.batch import ARRIVES, COLOUR, INSIDE, LX, RADIANCE, REACH, TX, X
 from ...common.kernels.light_columns import KIND, PLACE_X, PLACE_Y, PLACE_Z
 from ...common.kernels.numbers import ONE, THREE, ZERO
 from .occlusion import sky_visibilities
@@ -32,6 +32,27 @@ def toward(lights, i, point):
     square = max(lx * lx + ly * ly + lz * lz, TINY)
     size = math.sqrt(square)
     return lx / size, ly / size, lz / size, size, ONE / square
+
+
+@device
+def aim(work, n, lights, i):
+    """Store direction and distance to light number i, and its falloff in `ARRIVES`."""
+    rows = pointer(work)
+    px, py, pz = lights[i, PLACE_X], lights[i, PLACE_Y], lights[i, PLACE_Z]
+    for k in range(0, n, lane_count(rows)):
+        store(rows, INSIDE + k, ZERO)
+        if lights[i, KIND] == ZERO:
+            store3(rows, LX + k, W, px, py, pz)
+            store(rows, REACH + k, FAR)
+            store(rows, ARRIVES + k, ONE)
+        else:
+            x, y, z = load3(rows, X + k, W)
+            x, y, z = px - x, py - y, pz - z
+            square = max(x * x + y * y + z * z, TINY)
+            size = sqrt(square)
+            store3(rows, LX + k, W, x / size, y / size, z / size)
+            store(rows, REACH + k, size)
+            store(rows, ARRIVES + k, ONE / square)
 
 
 @inlined

@@ -17,7 +17,8 @@ from ...shadows.kernels import percentage_closer
 from ...shadows.kernels.strand_shadows import shade_by_minmax
 from ...solids.kernels import coat
 from ...solids.kernels.coat import SUBSURFACE, scattered
-from .shade_strands import aim, past_solids
+from .light import aim
+from .shade_strands import past_solids
 
 TINY = np.float32(1e-6)
 

@@ -21,13 +21,9 @@ from ...common.kernels.light_columns import (
     BIAS,
     CLEAR_ROW,
     FIRST_MAP,
-    KIND,
     MAP_COUNT,
     MAP_LAYERS,
     PER_FALL,
-    PLACE_X,
-    PLACE_Y,
-    PLACE_Z,
     STRAND_WIDTH,
 )  # fmt: skip
 from ...common.kernels.numbers import HALF, ONE, ZERO
@@ -38,7 +34,7 @@ from ...fibre.kernels.highlights import highlights
 from ...fibre.kernels.lobes import ALL, mixed, mixed_pair, place_at, width_highlights
 from ...shadows.kernels.solid_shadows import hard_shadows, soft_shadows
 from ...shadows.kernels.strand_shadows import count_in_front, shade_by_minmax
-from .light import FAR, ambient_light
+from .light import aim, ambient_light
 
 TINY = np.float32(1e-30)
 NEXT = np.uint64(1)
@@ -196,16 +192,16 @@ def past_strands(work, n, lights, i, shadows, dual):
         for one in range(int(rows[i, FIRST_MAP]), int(rows[i, FIRST_MAP] + rows[i, MAP_COUNT])):
             shade_by_minmax(work, n, shadows, one, bias)
         return
-    batch_rows = pointer(work)
-    for k in range(0, n, lane_count(batch_rows)):
-        store(batch_rows, row.PASSED + k, ZERO)
-        store(batch_rows, row.LEFT + k, ZERO)
+    for k in range(n):
+        work[row.PASSED + k] = ZERO
+        work[row.LEFT + k] = ZERO
     layers = np.int64(rows[i, MAP_LAYERS])
     width = rows[i, STRAND_WIDTH]
     over = rows[i, PER_FALL]
     for one in range(int(rows[i, FIRST_MAP]), int(rows[i, FIRST_MAP] + rows[i, MAP_COUNT])):
         count_in_front(work, n, shadows, one, layers, bias, width, over, dual)
     blocked = lights.clear.shape[0] == 0 or rows[i, CLEAR_ROW] == ZERO
+    batch_rows = pointer(work)
     for k in range(0, n, lane_count(batch_rows)):
         arrives = load(batch_rows, row.ARRIVES + k)
         store(batch_rows, row.UNBLOCKED + k, arrives)
@@ -236,27 +232,6 @@ def unit(vector):
     x, y, z = vector
     size = ONE / sqrt(max(x * x + y * y + z * z, TINY))
     return x * size, y * size, z * size
-
-
-@device
-def aim(work, n, lights, i):
-    """Store direction and distance to light number i, and its falloff in `ARRIVES`."""
-    rows = pointer(work)
-    px, py, pz = lights[i, PLACE_X], lights[i, PLACE_Y], lights[i, PLACE_Z]
-    for k in range(0, n, lane_count(rows)):
-        store(rows, row.INSIDE + k, ZERO)
-        if lights[i, KIND] == ZERO:
-            store3(rows, row.LX + k, W, px, py, pz)
-            store(rows, row.REACH + k, FAR)
-            store(rows, row.ARRIVES + k, ONE)
-        else:
-            x, y, z = load3(rows, row.X + k, W)
-            x, y, z = px - x, py - y, pz - z
-            square = max(x * x + y * y + z * z, TINY)
-            size = sqrt(square)
-            store3(rows, row.LX + k, W, x / size, y / size, z / size)
-            store(rows, row.REACH + k, size)
-            store(rows, row.ARRIVES + k, ONE / square)
 
 
 THREES = (X, TX, EX, COLOUR, EXTRA, RADIANCE, LX)
