@@ -11,6 +11,7 @@ from .. import solids
 from ..groom.record import Groom
 from ..scene.fields import settings_of
 from ..scene.model import Rod
+from ..scene.model.solids import has_data, shape_of
 from ..scene.motion import emitter_pose, own_pose, solid_pose
 from ..scene.rule_type import touched
 from ..solids import custom
@@ -239,9 +240,26 @@ def depth(points: Floats, solid: Any, emitter: Emitter, time: float = 0.0) -> Fl
     """Return (k,) the depth of points (k, 3) below a solid's surface at a time; outside it is at most 0 and not less
     than the negative distance."""
     if solid.kind not in solids.SHAPES:
-        from ..solids.kernels.custom import depth as depth_in
-
         row = custom.pack([solid], [solid_pose(solid, emitter, time)], np.float64)[0]
-        return depth_in(solid, row, points, time)
+        return _depth_in_custom(solid, row, points, time)
     row = solids.pack(solid.kind, [solid], emitter, time, np.float64)[0]
     return np.asarray(solids.SHAPES[solid.kind].depth(row, points))
+
+
+def _depth_in_custom(solid: Any, row: Floats, points: Floats, time: float) -> Floats:
+    """Return (k,) the depth of points (k, 3) below the surface of a packed custom solid; not positive outside."""
+    shape: Any = shape_of(solid.kind)
+    own = (points - row[:3]) @ row[custom.ROW_X : custom.REACH].reshape(3, 3)
+    outside = np.linalg.norm(own, axis=1) - row[custom.REACH]
+    if has_data(shape):
+        from ..solids.kernels.custom import distances
+
+        found = outside.copy()
+        near = np.flatnonzero(outside <= 0)
+        away = np.zeros(len(near))
+        distances(custom.together([solid], row[None], time), 0, np.ascontiguousarray(points[near]), away)
+        found[near] = away
+        return -found
+    given = tuple(row[custom.NUMBERS :].tolist())
+    pairs = zip(outside.tolist(), own.tolist(), strict=True)
+    return np.array([-far if far > 0 else -float(shape.distance(*one, given)) for far, one in pairs])

@@ -14,7 +14,7 @@ from strand_kit import require_same_after_restart, scene_of
 from strandcli.errors import UsageError
 from strandcli.groom.emit import emit
 from strandcli.groom.record import Groom
-from strandcli.scene.motion import solid_pose
+from strandcli.simulate.advice import depth
 from strandcli.simulate.grid import strand_grid
 from strandcli.simulate.grid.kernels import forces, records
 from strandcli.simulate.grid.kernels.records import (
@@ -23,8 +23,6 @@ from strandcli.simulate.grid.kernels.records import (
 )
 from strandcli.simulate.health import crowding
 from strandcli.simulate.rod.solver import RodSolver
-from strandcli.solids import custom
-from strandcli.solids.kernels.custom import depth
 from strandcli.study.stress import run as stress
 from tests.simulate.test_grid import BALL, prepare, rows
 
@@ -202,8 +200,7 @@ def test_room_is_what_a_mesh_leaves_of_cells_and_is_kept_while_it_stands_still(
     box = crowd.boxes[-1]
     low, size = box[LOW : LOW + 3], box[SIZE : SIZE + 3]
     z, y, x = np.meshgrid(*(crowd.cell * (low[c] + np.arange(size[c]) + 0.5) for c in (2, 1, 0)), indexing="ij")
-    row = custom.pack([solid], [solid_pose(solid, solver.scene.emitter, 0.0)], np.float64)[0]
-    far = depth(solid, row, np.stack([x, y, z], -1).reshape(-1, 3)).reshape(x.shape) / -crowd.cell
+    far = depth(np.stack([x, y, z], -1).reshape(-1, 3), solid, solver.scene.emitter).reshape(x.shape) / -crowd.cell
     beyond = 0.5 * np.maximum(1 - np.abs(far), 0) ** 2
     wanted = np.where(far > 0, 1 - beyond, np.where(far > -0.95, beyond, 0))
     wanted[~crowd.near] = 1

@@ -14,9 +14,9 @@ from strandcli.draw.solids.kernels import rays
 from strandcli.groom.blocks import pack
 from strandcli.scene.model import Emitter
 from strandcli.scene.motion import solid_pose
+from strandcli.simulate.advice import depth
 from strandcli.solid_shapes import cone
 from strandcli.solids import pack_all
-from strandcli.solids.kernels.custom import depth as depth_by_distance
 
 Floats = NDArray[np.float64]
 STILL = Emitter()
@@ -140,16 +140,15 @@ def test_reported_depths_are_those_of_dense_segments(sizes: dict[str, float]) ->
     solver = solver_of(scene, plain=True)
     solid = scene.solids[0]
     share = np.linspace(0, 1, 1001)[:, None, None]
-    row = row_of(solid)
     deep = 0
     for seed in range(60):
         strand = np.random.default_rng(seed).uniform(-1, 1, (1, 4, 3)).astype(np.float32)
         solver.positions[:, 1:] = pack(strand)
         x = strand[0].astype(np.float64)
-        points = depth_by_distance(solid, row, x[1:])
+        points = depth(x[1:], solid, STILL)
         places = x[:-1] + share * (x[1:] - x[:-1])
-        segments = depth_by_distance(solid, row, places.reshape(-1, 3)).reshape(-1, 3).max(0)
-        segments[0] -= depth_by_distance(solid, row, x[:1])[0].clip(0)
+        segments = depth(places.reshape(-1, 3), solid, STILL).reshape(-1, 3).max(0)
+        segments[0] -= depth(x[:1], solid, STILL)[0].clip(0)
         found = solver.errors(1)
         assert found["penetration_max"] == pytest.approx(max(points.max(), 0), abs=1e-6)
         longest = float(np.linalg.norm(np.diff(x, axis=0), axis=1).max())
@@ -158,8 +157,3 @@ def test_reported_depths_are_those_of_dense_segments(sizes: dict[str, float]) ->
         assert found["segment_penetration_max"] < max(segments.max(), 0) + 1e-3 * longest
         deep += segments.max() > 0.02
     assert deep > 5
-
-
-def row_of(solid: Any) -> Floats:
-    """A solid's packed row in double precision."""
-    return np.asarray(pack_all([solid], STILL, 0.0, np.float64)[4][0])

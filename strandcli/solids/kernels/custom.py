@@ -10,15 +10,13 @@ from collections.abc import Callable
 from typing import Any
 
 import numpy as np
-from numpy.typing import NDArray
 
 from ...constants import W
 from ...jit import device, function
 from ...jit.pruned import by_type
 from ...meshes.kernels.rays import RAYS
-from ...scene.model.solids import has_data, shape_of
 from ...simd.local import local_float64
-from ..custom import KIND, NUMBERS, REACH, ROW_X, together
+from ..custom import KIND
 from . import distance_field as field
 from . import segment_depth, soft_edge
 from .distance_field import INF, ONE, ZERO, ray_in_own, through
@@ -245,23 +243,6 @@ def distances(p, m, points, out):
     """Write the distances (k,) of points (k, 3) from solid m of custom solids."""
     for k in range(points.shape[0]):
         out[k] = field.distance(p, m, points[k, 0], points[k, 1], points[k, 2])
-
-
-def depth(solid: Any, row: NDArray[np.float64], points: NDArray[np.float64], time: float = 0.0) -> NDArray[np.float64]:
-    """(k,) depth of points (k, 3) below the surface of a packed solid at a time, metres; not positive outside."""
-    shape: Any = shape_of(solid.kind)
-    own = (points - row[:3]) @ row[ROW_X:REACH].reshape(3, 3)
-    outside = np.linalg.norm(own, axis=1) - row[REACH]
-    if has_data(shape):
-        found = outside.copy()
-        near = np.flatnonzero(outside <= 0)
-        away = np.zeros(len(near))
-        distances(together([solid], row[None], time), 0, np.ascontiguousarray(points[near]), away)
-        found[near] = away
-        return -found
-    given = tuple(row[NUMBERS:].tolist())
-    pairs = zip(outside.tolist(), own.tolist(), strict=True)
-    return np.array([-far if far > 0 else -float(shape.distance(*one, given)) for far, one in pairs])
 
 
 def collide(x: Any, parent: Any, grandparent: Any, root: Any, length: Any, p: Any, i: int, n: int) -> None:
