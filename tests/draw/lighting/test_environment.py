@@ -5,6 +5,7 @@ from __future__ import annotations
 import struct
 import zlib
 from pathlib import Path
+from typing import Any
 
 import numpy as np
 import pytest
@@ -13,12 +14,19 @@ from PIL import Image
 from strand_kit import frames_of
 from strandcli import load
 from strandcli.draw.lighting.environment import coefficients, read, read_hdr, sky_of
-from strandcli.draw.lighting.kernels.light import around
+from strandcli.draw.lighting.kernels import light
 from strandcli.errors import UsageError
+from strandcli.jit import function
 from strandcli.output import png
 from strandcli.scene import SceneError
 
 HIGH, WIDE = 48, 96
+
+
+@function
+def around(sky: Any, which: Any, c: Any, x: Any, y: Any, z: Any) -> Any:
+    """`light.around`, which is part of its callers."""
+    return light.around(sky, which, c, x, y, z)
 
 
 def sphere() -> tuple[np.ndarray, np.ndarray]:
