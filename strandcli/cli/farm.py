@@ -20,6 +20,7 @@ if TYPE_CHECKING:
 TARGETS = ("slurm", "parallel", "openjd")
 NEXT = {"slurm": "sh {}/submit.sh", "parallel": "sh {}/run.sh", "openjd": "openjd run {}/job.yaml"}
 MOST_THREADS, USUAL_THREADS = 4096, 4
+HEAD = "# All settings of this job, as they were when it was written."
 
 
 @click.command()
@@ -55,6 +56,7 @@ def command(
     from .. import farm as jobs
     from ..output.files import prepare_folder, write_pieces
     from ..plan import make_plan
+    from ..scene import dump
 
     scene = options.load_scene(preset, **scene_settings)
     numbers = options.frame_numbers(frames, scene)
@@ -73,7 +75,7 @@ def command(
     )  # fmt: skip
     files = jobs.files(job, target, cores())
     prepare_folder(folder, 0)
-    write_pieces(folder / jobs.SCENE, [_alone(scene).encode("utf-8", "surrogateescape")])
+    write_pieces(folder / jobs.SCENE, [f"{HEAD}\n{dump(scene)}".encode("utf-8", "surrogateescape")])
     for name, text in files.items():
         write_pieces(folder / name, [text.encode("utf-8", "surrogateescape")])
     again = NEXT[target].format(folder)
@@ -90,10 +92,3 @@ def _simulated(scene: Scene, numbers: tuple[int, ...]) -> str:
         return ""
     before = {number - 1 for number in numbers if number > 1} if scene.camera.shutter > 0 else set()
     return spelled(sorted({*numbers, *before}))
-
-
-def _alone(scene: Scene) -> str:
-    """The preset's text with all settings."""
-    from ..scene import dump
-
-    return f"# All settings of this job, as they were when it was written.\n{dump(scene)}"

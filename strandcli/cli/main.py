@@ -179,7 +179,9 @@ def report(error: BaseException, debug: bool, as_json: bool = False) -> int:
         for fault in faults:
             click.echo(_one_line(fault), err=True)
     elif words:
-        _say(words)
+        label = click.style("error:", fg="red", bold=True)
+        color = False if os.environ.get("NO_COLOR") else None
+        click.echo(f"strandcli: {label} {_one_line(words)}", err=True, color=color)
     return code
 
 
@@ -243,12 +245,6 @@ def _os_error(error: OSError) -> str:
 
 def _one_line(text: object) -> str:
     return printable(" ".join(str(text).split("\n")))
-
-
-def _say(message: str) -> None:
-    label = click.style("error:", fg="red", bold=True)
-    color = False if os.environ.get("NO_COLOR") else None
-    click.echo(f"strandcli: {label} {_one_line(message)}", err=True, color=color)
 
 
 def _abandon_stdout() -> None:

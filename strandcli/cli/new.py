@@ -36,7 +36,7 @@ def command(name: Path, groom: Path | None, head: Path | None, overwrite: bool, 
     """
     path = preset_file(name)
     options.refuse_existing(path, overwrite)
-    from ..new_preset import placing
+    from .. import new_preset as placing
     from ..new_preset.text import text
     from ..output.files import write_pieces
 

@@ -78,14 +78,10 @@ def command(
         del data["parts"]
         print_json(data)
         return
-    stages = [(one.stage, one.why) for one in (*plan.used, *plan.left_out)]
-    width = max((len(stage) for stage, _ in stages), default=0)
+    width = max((len(one.stage) for one in (*plan.used, *plan.left_out)), default=0)
     for title, part in (("Runs", plan.used), ("Left out", plan.left_out)):
-        say(f"{title}:")
-        for one in part:
-            say(f"  {one.stage:<{width}}  {one.why}")
-        if not part:
-            say("  nothing")
+        lines = [f"{one.stage:<{width}}  {one.why}" for one in part] or ["nothing"]
+        say("\n  ".join([f"{title}:", *lines]))
     _totals(plan, written)
     _time(plan, time)
     for words in warnings:

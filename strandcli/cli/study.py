@@ -113,12 +113,11 @@ def _requests(
     if (preset is None) == (reference is None):
         raise UsageError("study takes either a PRESET or --reference NAMES")
     if reference is not None:
-        given = {"--strands": wishes.pop("strands"), "--span": wishes.pop("span"), "--axis": axis, "--seed": seed}
-        given |= {"--set": overrides or None, "--frame": wishes.pop("frame"), "--size": wishes.pop("size")}
-        given |= {"--cells": wishes.pop("cells")}
+        given = {"axis": axis, "seed": seed, "set": overrides or None}
+        given |= {name: wishes.pop(name) for name in ("strands", "span", "frame", "size", "cells")}
         for option, value in given.items():
             if value is not None:
-                raise UsageError(f"{option} is for presets; a --reference has its own scene")
+                raise UsageError(f"--{option} is for presets; a --reference has its own scene")
         from ..scene.faults import hint
         from ..study.references import REFERENCES
 

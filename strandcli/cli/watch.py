@@ -103,10 +103,9 @@ def _scene(given: Mapping[str, Any]) -> Scene:
     names = ("size", "strands", "particles", "seed", "overrides")
     settings = {name: given[name] for name in names} | {"quality": given["quality"] or "draft"}
     scene = options.load_scene(given["preset"], **settings)
-    width, height = scene.image.size
-    if settings["size"] is None and max(width, height) > SIDE and not scene.panels:
-        share = SIDE / max(width, height)
-        settings["size"] = (max(1, round(width * share)), max(1, round(height * share)))
+    share = SIDE / max(scene.image.size)
+    if settings["size"] is None and share < 1 and not scene.panels:
+        settings["size"] = tuple(max(1, round(side * share)) for side in scene.image.size)
         scene = options.load_scene(given["preset"], **settings)
     return scene if given["quality"] else _with_one_turn(scene)
 

@@ -196,7 +196,7 @@ class HtmlPage:
         if not overwrite:
             page.require_own(directory / FILE)
 
-    def write(self, data: dict[str, Any], made: Sequence[Path] = ()) -> None:
+    def write(self, data: Json, made: Sequence[Path] = ()) -> None:
         """Write it from the report's ``data``, with the animations that were ``made``."""
         from ..scene import dump
 
@@ -210,11 +210,10 @@ class HtmlPage:
         more than what might go wrong here."""
         from ..output.report import read_report
 
-        if kind is not None:
-            with suppress(StrandError, OSError):
-                data = read_report(self._directory)
-                if data is not None and data.keys() >= {"preset", "status", "strandcli"}:
-                    self.write(data)
+        with suppress(StrandError, OSError):
+            data = None if kind is None else read_report(self._directory)
+            if data is not None and data.keys() >= {"preset", "status", "strandcli"}:
+                self.write(data)
 
 
 def write_sweep(

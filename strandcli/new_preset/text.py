@@ -6,7 +6,7 @@ import json
 from collections.abc import Mapping
 from typing import Any
 
-from .placing import Placed
+from . import Placed
 
 HEAD = """\
 # {title}

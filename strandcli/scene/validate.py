@@ -125,17 +125,17 @@ class Reader:
                 else:
                     self.refuse(item.mark, f"{path}.{index}", _no_rule(item))
         elif isinstance(node, MapNode):
-            listed = [(name, entry.mark, entry.node) for name, entry in node.entries.items()]
-            entries = [(n, m, p) for n, m, p in listed if not (isinstance(p, Scalar) and p.null)]
+            for name, (mark, inner) in node.entries.items():
+                if not (isinstance(inner, Scalar) and inner.null):
+                    entries.append((name, mark, inner))
             entries.sort(key=lambda e: self.rules[e[0]].order if e[0] in self.rules else math.inf)
         elif not node.empty:
             raise specs.Refusal(f"not {given(node)}")
         uses, counts = [], dict.fromkeys(self.rules, 0)
         for name, mark, parameters in entries:
             if name not in self.rules:
-                known = f"the rules are {', '.join(self.rules)}"
-                guess = hint(name, self.rules, "the rules are")
-                more = "" if guess == known else f" {known[0].upper()}{known[1:]}"
+                guess, known = hint(name, self.rules, "the rules are"), ", ".join(self.rules)
+                more = f" The rules are {known}" if guess.startswith("did you mean") else ""
                 self.refuse(mark, path, f"unknown rule {shown(name)}; {guess}{more}")
                 continue
             counts[name] += 1
@@ -149,9 +149,7 @@ class Reader:
 def _no_rule(node: Node) -> str:
     """The message for an entry of the list of rules that is none."""
     if isinstance(node, MapNode) and len(node.entries) > 1:
-        keys = list(node.entries)
-        return (
-            f"must be one rule, not {len(keys)} keys; if {shown(keys[1])} is a setting of {shown(keys[0])}, "
-            "indent it further"
-        )
+        first, second, *_ = node.entries
+        inside = f"if {shown(second)} is a setting of {shown(first)}, indent it further"
+        return f"must be one rule, not {len(node.entries)} keys; {inside}"
     return f"must be a rule's name or `name: {{setting: value}}`, not {given(node)}"

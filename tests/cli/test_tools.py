@@ -128,7 +128,7 @@ def test_bench_passes_its_options_on_and_prints_a_table_or_json(run: Runner, mon
         asked.append(given[:-1])
         return BENCH
 
-    module = SimpleNamespace(run=fake)
+    module = SimpleNamespace(run=fake, busy_words=bench.busy_words)
     monkeypatch.setitem(sys.modules, "strandcli.study.bench", module)
     monkeypatch.setattr(study, "bench", module, raising=False)
     result = run("bench", "--strands", "500", "--size", "80x60", "--frames", "3", "--threads", "1", "--json")
