@@ -75,7 +75,7 @@ def command(
         for scene in scenes:
             clock.expect(scene.source)
         for name, scene in zip(names, scenes, strict=True):
-            _draw(scene, threads, progress.note)
+            _draw(scene, threads, progress.note, pack is not None)
             progress.step(name)
     seconds = runtime.compile_seconds()
     data: dict[str, Any] = {
@@ -94,7 +94,9 @@ def command(
         told = f"compiled for {seconds:.1f} s" if seconds else "everything was compiled already"
         talk.note(f"warmup: {told}; kernels are in {cache.path}")
         if pack is not None:
-            talk.note(f"warmup: {pack} has {data['pack']['kernels']} kernels, {data['pack']['bytes'] / 1e6:.1f} MB")
+            there = data["pack"]
+            begun = f" and {counted(there['states'], 'settled first frame')}" if there["states"] else ""
+            talk.note(f"warmup: {pack} has {there['kernels']} kernels{begun}, {there['bytes'] / 1e6:.1f} MB")
 
 
 def _names(presets: tuple[str, ...]) -> list[str]:
@@ -104,12 +106,14 @@ def _names(presets: tuple[str, ...]) -> list[str]:
     return [name for name, _ in list_presets()] if presets in ((), ("all",)) else list(presets)
 
 
-def _draw(scene: Scene, threads: int | None, notify: Callable[[str], None]) -> None:
-    """Draw the first frames of a scene."""
+def _draw(scene: Scene, threads: int | None, notify: Callable[[str], None], packed: bool) -> None:
+    """Draw the first frames of a scene; ``packed``: and keep the state in which they begin."""
     from ..run import pipeline
+    from ..run.checkpoints import Checkpoints
 
+    states = Checkpoints(None) if packed else None
     for count, frames in ((threads, range(1, min(FRAMES, scene.time.frames) + 1)), (1, [1])):
-        for _ in pipeline.render(scene, frames, threads=count, notify=notify):
+        for _ in pipeline.render(scene, frames, threads=count, notify=notify, checkpoints=states):
             signals.check()
 
 
@@ -126,7 +130,7 @@ def _table(costs: list[dict[str, Any]]) -> str:
 
 
 def _write_pack(path: Path) -> dict[str, int]:
-    """Write all kernels that were run; returns how many they are, and the bytes of the file."""
+    """Write all kernels that were run, and states of first frames; returns how many they are, and the file's bytes."""
     from ..compiling.stores import packed
     from ..jit.cache import pack_content
     from ..output.files import prepare_folder, write_pieces
@@ -136,4 +140,5 @@ def _write_pack(path: Path) -> dict[str, int]:
     prepare_folder(path.parent, len(content))
     write_pieces(path, [content])
     path.chmod(path.stat().st_mode & ~0o022)  # one that others than its owner may change is not run
-    return {"kernels": len(entries), "bytes": len(content)}
+    kernels = sum(name.endswith(".kernel") for name in entries)
+    return {"kernels": kernels, "states": len(entries) - kernels, "bytes": len(content)}

@@ -104,7 +104,7 @@ def writers(found: os.stat_result, owner: int | None = None) -> str:
 
 MAGIC = b"strandcli pack 1\n"
 MANIFEST = "pack.json"
-KERNEL = re.compile(r"[\w.<>]+-[0-9a-f]{24}\.kernel", re.ASCII)
+ENTRY = re.compile(r"[\w.<>]+-[0-9a-f]{24}\.kernel|[a-z-]+-[0-9a-f]{24}\.arrays", re.ASCII)
 MOST_BYTES = 1 << 30
 """Of a pack, and of all that is in it."""
 SHIPPED = Path(__file__).parents[1] / "kernels.pack"
@@ -116,12 +116,12 @@ class PackError(ValueError):
 
 
 class Pack(Store):
-    """Kernels as one file, for every machine with the same Python, Numba and kind of processor. It is held in memory:
-    what becomes of the file later changes nothing.
+    """Kernels, and states in which presets begin, as one file, for machines with the same Python, Numba and kind of
+    processor. It is held in memory: what becomes of the file later changes nothing.
 
     Its first line is `MAGIC`, then come the hash of all that follows as a line, and a zip file (`unzip -l` lists it)
-    with `MANIFEST`, which says what the kernels were compiled with, and an entry of the cache for each kernel. The hash
-    tells damage, an owner who alone can write it says whose word it is. Names are looked up and never become paths.
+    with `MANIFEST`, which says what the kernels were compiled with, and the cache's entries. The hash tells damage, an
+    owner who alone can write it says whose word it is. Names are looked up and never become paths.
     """
 
     made: dict[str, Any]
@@ -136,7 +136,7 @@ class Pack(Store):
                 raise PackError("it holds a name twice, or too much")
             self.made = json.loads(self._zip.read(found.pop(MANIFEST)))
             for name in found:
-                if not KERNEL.fullmatch(name):
+                if not ENTRY.fullmatch(name):
                     raise PackError(f"it holds {name!r}, which is no kernel's name")
             if not all(isinstance(self.made[key], dict) for key in ("with", "processor", "sources")):
                 raise PackError(f"its {MANIFEST} is not what strandcli writes")
@@ -147,7 +147,8 @@ class Pack(Store):
         self._entries = found
 
     def __len__(self) -> int:
-        return len(self._entries)
+        """Number of its kernels."""
+        return sum(name.endswith(".kernel") for name in self._entries)
 
     @contextlib.contextmanager
     def opened(self, name: str) -> Iterator[BinaryIO]:

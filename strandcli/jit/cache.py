@@ -35,7 +35,7 @@ from ..compiling.interrupts import interrupts
 from ..compiling.processor import lacking
 from ..compiling.service import claims, service
 from ..compiling.stores import Store
-from . import sources
+from . import kept, sources
 
 MAGIC = b"strandcli kernel 1\n"
 SUFFIX = ".kernel"
@@ -171,12 +171,13 @@ def unfit(made: dict[str, Any], codegen: Any) -> str:
 
 
 def pack_content() -> tuple[dict[str, Any], dict[str, bytes]]:
-    """What a pack says of itself, and the entries of all kernels that this process has run."""
+    """What a pack says of itself, and the entries of all kernels that this process has run, and of states in which
+    presets begin that took long to come to."""
     from numba.core.registry import cpu_target
 
     made = made_with(cpu_target.target_context.codegen())
     whole = {**made, "sources": {module: sources.digest(module) for module in sorted(set(MADE_OF.values()))}}
-    found = {name: folder.cache.load(name, lambda file: file.read()) for name in sorted(MADE_OF)}
+    found = {name: folder.cache.load(name, lambda file: file.read()) for name in sorted({*MADE_OF, *kept.FOR_PACKS})}
     return whole, {name: data for name, data in found.items() if data is not None}
 
 

@@ -25,6 +25,10 @@ from ..output.state_file import FREE, state_of, state_pieces
 __all__ = ["FREE", "Arrays", "find", "keep", "kept", "key_of"]
 
 SUFFIX = ".arrays"
+STATES = "first-frame"
+"""Kind of the states in which frames 1 begin, which take seconds to come to: a pack has them too."""
+FOR_PACKS: set[str] = set()
+"""Names of the states that this process has found or computed."""
 LARGEST = 128 << 20
 """Bytes of a file's arrays, so that a few files of this size do not drive out all others."""
 SETTINGS = ("NPY_DISABLE_CPU_FEATURES", "NPY_ENABLE_CPU_FEATURES", "OPENBLAS_CORETYPE")
@@ -68,7 +72,8 @@ def keep(kind: str, key: str, arrays: Arrays) -> None:
     """Keep arrays under a key, where a file can be written and they are not too large."""
     if folder.cache.trouble is not None or sum(one.nbytes for one in arrays.values()) > LARGEST:
         return
-    folder.cache.write(folder.cache.path / _name(kind, key), state_pieces(key, arrays))
+    if folder.cache.write(folder.cache.path / _name(kind, key), state_pieces(key, arrays)) and kind == STATES:
+        FOR_PACKS.add(_name(kind, key))
 
 
 def _name(kind: str, key: str) -> str:
@@ -92,11 +97,19 @@ def key_of(kind: str, code: Sequence[str], of: Iterable[Any]) -> str:
 
 @functools.cache
 def _machine() -> list[Any]:
-    """Versions and instructions."""
+    """Versions, and the instructions that NumPy's loops take. Kernels make the same bits on all processors of
+    `strandcli.compiling.processor`."""
     import llvmlite.binding as llvm
     import numba
 
+    try:
+        from numpy.lib.introspect import opt_func_info
+
+        found = opt_func_info("^(sin|exp|add|arcsin)$", "float")
+        loops = str(sorted({one["current"] for kinds in found.values() for one in kinds.values()}))
+    except ImportError:  # before NumPy 2.2
+        loops = llvm.get_host_cpu_name()
     return [
-        platform.machine(), llvm.get_host_cpu_name(), platform.libc_ver(), numba.__version__, llvm.llvm_version_info,
-        np.__version__, [os.environ.get(name) for name in SETTINGS],
+        platform.machine(), loops, platform.libc_ver(), numba.__version__, llvm.llvm_version_info, np.__version__,
+        [os.environ.get(name) for name in SETTINGS],
     ]  # fmt: skip

@@ -82,7 +82,8 @@ def read_state(path: Path, key: str, arrays: Arrays) -> dict[str, NDArray[Any]]:
 
 def state_of(file: BinaryIO, key: str, arrays: Arrays) -> dict[str, NDArray[Any]]:
     """Return the arrays of an opened file, as `read_state`: parts of one piece of memory, as large as the file."""
-    whole: Any = np.empty(os.fstat(file.fileno()).st_size, np.uint8)
+    whole: Any = np.empty(file.seek(0, os.SEEK_END), np.uint8)
+    file.seek(0)
     content = whole[:-DIGEST]
     if file.readinto(whole) != whole.nbytes or whole[: len(MAGIC)].tobytes() != MAGIC:  # type: ignore[attr-defined]
         raise DamagedError("it does not begin as one")

@@ -31,7 +31,6 @@ if TYPE_CHECKING:
 FOLDER = "checkpoints"
 CODE = ("strandcli.run.stages", "strandcli.simulate.thesis.solver", "strandcli.simulate.rod", "strandcli.groom.emit")
 """Modules that simulate, with all that they import."""
-KIND = "first-frame"
 LEAST = 0.2
 """Seconds that it takes to come to frame 1, below which its state is not cached."""
 
@@ -96,7 +95,7 @@ class Checkpoints:
         Raises `RefusedError` where a checkpoint cannot be written."""
         began, self._began = self._began, None
         if frame == 1 and began is not None and time.perf_counter() - began >= LEAST:
-            kept.keep(KIND, self._first_key(solver), solver.state_arrays())
+            kept.keep(kept.STATES, self._first_key(solver), solver.state_arrays())
         due = self.every > 0 and frame % self.every == 0
         arrays = solver.state_arrays() if self.folder is not None and (due or frame in self._bad) else {}
         if not arrays:
@@ -118,7 +117,7 @@ class Checkpoints:
         if solver.scene.time.preroll <= 0:
             return False
         arrays = solver.state_arrays()
-        state = kept.find(KIND, self._first_key(solver), arrays) if arrays else None
+        state = kept.find(kept.STATES, self._first_key(solver), arrays) if arrays else None
         try:
             if state is not None:
                 _restore(solver, state, 1)
@@ -131,7 +130,7 @@ class Checkpoints:
         return state is not None
 
     def _first_key(self, solver: Any) -> str:
-        return kept.key_of(KIND, (__name__,), (self.key(solver.scene), solver.groom.strands))
+        return kept.key_of(kept.STATES, (__name__,), (self.key(solver.scene), solver.groom.strands))
 
     def _frames(self, after: int, last: int) -> Iterable[int]:
         pattern = re.compile(re.escape(self._name) + r"frame_(\d{4,9})\.state")

@@ -21,7 +21,7 @@ from strandcli.compiling import folder, processor, stores
 from strandcli.compiling.service import service
 from strandcli.errors import UsageError
 from strandcli.jit import cache
-from strandcli.jit.kept import kept
+from strandcli.jit.kept import STATES, find, keep, kept, key_of
 
 pytestmark = pytest.mark.skipif(bool(config.DISABLE_JIT), reason="nothing is compiled")  # type: ignore[attr-defined]
 
@@ -46,6 +46,7 @@ class Home:
 def home(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> Home:
     monkeypatch.setattr(service, "enabled", False)
     monkeypatch.setattr(cache, "MADE_OF", {})
+    monkeypatch.setattr(cache.kept, "FOR_PACKS", set())
     monkeypatch.setattr(folder, "SHIPPED", tmp_path / "none")
     return Home(tmp_path, monkeypatch)
 
@@ -92,6 +93,24 @@ def test_arrays_are_computed_for_a_pack_though_they_are_cached(home: Home) -> No
         folder.cache.arrays = arrays
         kept("table", ("strandcli.constants",), [1], {"a": np.arange(3.0)}, lambda: made.append(1) or [np.arange(3.0)])
     assert len(made) == 2
+
+
+def test_a_pack_has_the_states_in_which_first_frames_begin(home: Home, tmp_path: Path) -> None:
+    home.begin()
+    like, key = {"a": np.zeros(3)}, key_of(STATES, ("strandcli.constants",), [1])
+    keep(STATES, key, {"a": np.arange(3.0)})
+    path = tmp_path / "state.pack"
+    path.write_bytes(stores.packed(*cache.pack_content()))
+    assert home.begin(path) == []
+    found = find(STATES, key, like)
+    assert found is not None
+    np.testing.assert_array_equal(found["a"], np.arange(3.0))
+    assert find(STATES, key_of(STATES, ("strandcli.constants",), [2]), like) is None
+    name, entry = next((name, data) for name, data in parts(path.read_bytes()).items() if name.endswith(".arrays"))
+    made = json.loads(parts(path.read_bytes())[stores.MANIFEST])
+    path.write_bytes(stores.packed(made, {name: entry[:-40] + bytes([entry[-40] ^ 1]) + entry[-39:]}))
+    home.begin(path)
+    assert find(STATES, key, like) is None
 
 
 def test_a_wheels_own_pack_is_found_without_a_variable(home: Home, pack: Path, monkeypatch: pytest.MonkeyPatch) -> None:
