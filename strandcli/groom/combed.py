@@ -46,7 +46,7 @@ class Combed:
     ) -> NDArray[np.float32]:
         """Return the first ``strands`` strands, or of those numbered ``ids``, from root to tip at a time in seconds:
         positions (blocks, rows, 3 W); hanging: their parts beyond the tie, in the same layout."""
-        from .kernels import combed as kernel
+        from .kernels import surface as kernel
 
         combed = self.packed if ids is None else pack(self.points[ids[:strands]])
         rotation, shift = emitter_pose(self.scene.emitter, at if self._carried else 0.0)

@@ -62,7 +62,7 @@ def emit(emitter: Emitter, seed: int, strands: int | None = None) -> Groom:
     tones = (2.0 * stream(seed, 5, count) - 1.0).astype(np.float32)
     found = None
     if isinstance(emitter.shape, MeshShape) and ground is not None:
-        from .coat import coat
+        from .on_mesh import coat
 
         found = coat(emitter.shape, ground.anchors, tones)
     return Groom(

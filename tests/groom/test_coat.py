@@ -10,8 +10,8 @@ import pytest
 from mesh_kit import sphere
 from strandcli.draw.lighting.palette import Palette
 from strandcli.errors import UsageError
-from strandcli.groom.coat import SHADES
 from strandcli.groom.emit import emit
+from strandcli.groom.on_mesh import SHADES
 from strandcli.groom.record import Groom
 from strandcli.scene.model import Emitter, Material, MeshShape
 
