@@ -10,8 +10,8 @@ import numpy as np
 import numpy.typing as npt
 
 from ..common.counted import counted
-from . import faults
 from .bounded import not_finite
+from .edits import repeated, strands_not_finite
 from .ends import WHY, Ends, ends, up_axis
 from .files import ReadOptions, files_of, read_first
 from .objects import table
@@ -43,7 +43,7 @@ def facts_of_file(path: Path, options: ReadOptions) -> dict[str, Any]:
 
 def facts(strands: Strands) -> dict[str, Any]:
     """What strands are like, and their faults; shape and guesses are of those that are finite."""
-    bad = faults.not_finite(strands)
+    bad = strands_not_finite(strands)
     data = _data_of_all(strands)
     fine = strands.select(~bad)
     known = ends(fine)
@@ -104,7 +104,7 @@ def _faults_of_strands(bad: Mask, fine: Strands, lengths: npt.NDArray[np.float32
     for name, mask, words, mend in (
         ("not_finite", bad, "with numbers that are not finite", "--fix"),
         ("without_length", lengths == 0, "without length", "--fix"),
-        ("repeated", faults.repeated(fine), "equal to another", "--fix"),
+        ("repeated", repeated(fine), "equal to another", "--fix"),
         ("tiny", (lengths > 0) & (lengths < least), f"shorter than {TINY:g} of the median length",
          f"--min-length {least:.3g}"),
     ):  # fmt: skip

@@ -12,8 +12,7 @@ import numpy as np
 import numpy.typing as npt
 
 from ..common.counted import counted
-from .edits import Change
-from .faults import GOLDEN, mixed
+from .edits import GOLDEN, Change, mixed
 from .kernels import along
 from .strands import Attribute, Offsets, Strands, even_offsets, spans
 

@@ -16,9 +16,8 @@ from numpy.typing import NDArray
 
 from ..common.rotations import AXES, turning
 from ..errors import UsageError
-from ..exchange.edits import reversed_all
+from ..exchange.edits import reversed_all, strands_not_finite
 from ..exchange.ends import ends, up_axis
-from ..exchange.faults import not_finite
 from ..exchange.files import ReadOptions, read
 from ..exchange.strands import Strands
 from ..mesh_file.prepared import key_of, mesh_of, prepared
@@ -197,7 +196,7 @@ def facts_on(file: Path, given: ReadOptions, solid: Any) -> dict[str, Any]:
     that kind, in its own frame. Raises `UsageError` for a file without finite strands."""
     mesh = solid.file
     strands = read(file, given)
-    strands = strands.select(~not_finite(strands))
+    strands = strands.select(~strands_not_finite(strands))
     if not strands.count:
         raise UsageError(f"{file}: has no strand that could lie on {mesh}")
     if ends(strands).root == "last":

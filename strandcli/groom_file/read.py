@@ -12,8 +12,7 @@ from numpy.typing import NDArray
 from ..common.counted import counted
 from ..common.rotations import turning
 from ..errors import UsageError, about
-from ..exchange import faults
-from ..exchange.edits import Step, edited, fixed, reversed_all
+from ..exchange.edits import Step, edited, fixed, reversed_all, without_length
 from ..exchange.files import Moments, ReadOptions, read_first
 from ..exchange.parts import moved
 from ..exchange.resample import some
@@ -271,7 +270,7 @@ def _chosen(
     notes += [f"{path}: {one.text}" for one in changes if one.edit == "fix" and any(one.facts.values())]
     if not strands.count:
         raise UsageError(f"{path}: has no strand that could be drawn")
-    bare = None if given.fix else faults.without_length(strands)
+    bare = None if given.fix else without_length(strands)
     if bare is not None and bare.any():
         raise UsageError(
             f"{path}: {counted(int(bare.sum()), 'strand')} without length (strand {int(np.argmax(bare)):,} for one); "

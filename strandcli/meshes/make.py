@@ -14,7 +14,7 @@ import numpy.typing as npt
 
 from ..common.counted import counted
 from ..errors import UsageError, one_line
-from ..exchange.faults import prints_of, repeats
+from ..exchange.edits import prints_of, repeats
 from .mesh import FileNormals, Indices, MeshFacts, TriangleMesh, Vectors, face_vectors, slices
 from .topology import oriented
 
