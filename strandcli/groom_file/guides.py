@@ -11,7 +11,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from ..constants import W
-from ..exchange.kernels.along import chains, resample
+from ..exchange.kernels.along import resample
 from ..exchange.strands import even_offsets
 from ..groom.emit import stream
 from ..groom.family import shepard
@@ -94,14 +94,72 @@ def ranks_of(order: NDArray[np.int32], seed: int) -> NDArray[np.int32]:
     return found
 
 
+STRAIGHT = 1e-20
+"""Square of how far the strand lies beside a chord, over that of a segment, from which on it has a side."""
+
+
+def chains(points: NDArray[np.float32], particles: int) -> tuple[Floats, Floats]:
+    """Chains (G, particles, 3) on strands (G, n, 3), and (G,) the greatest distance of a point from its chain.
+
+    Points at equal distances s along a strand are at most s apart, and less where it bends: a chain through all of
+    them is too short. So every other one is a joint, and what lies between two becomes an isosceles triangle with sides
+    s on the side on which the strand lies; or, once at the tip, a trapezoid, where the number of segments is odd. Both
+    exist whatever the strand is like, for an arc is no shorter than its chord.
+
+    Joint k of a chain stands for the point at k / (particles - 1) of its strand's length. A chain of one segment is the
+    chord.
+    """
+    count, n, _ = points.shape
+    joints, last = np.empty((count, particles, 3)), particles - 1
+    low, share = np.empty(joints.shape[:2], np.int64), np.empty(joints.shape[:2], np.float32)
+    resample(even_offsets(count, n), points.reshape(-1, 3), low, share, joints, np.empty(count))
+    passed = np.zeros((count, n))
+    np.cumsum(_sizes(np.diff(points.astype(np.float64), axis=1)), axis=1, out=passed[:, 1:])
+    total, k = passed[:, -1:], 0
+    while last - k > 1:
+        end = last if last - k == 3 else k + 2
+        _fold(joints[:, k : end + 1], total / last)
+        k = end
+    place = np.minimum(np.divide(passed, total, out=np.zeros_like(passed), where=total > 0) * last, last - 1)
+    rows = place.astype(np.int64)[..., None]
+    begins, ends = (np.take_along_axis(joints, rows + step, axis=1) for step in (0, 1))
+    edges, offs = ends - begins, points - begins
+    squares = (edges * edges).sum(axis=2)
+    along = np.divide((offs * edges).sum(axis=2), squares, out=np.zeros_like(squares), where=squares > 0)
+    return joints, _sizes(offs - np.clip(along, 0, 1)[..., None] * edges).max(axis=1)
+
+
+def _sizes(vectors: Floats) -> Floats:
+    x, y, z = np.moveaxis(vectors, -1, 0)
+    return np.asarray(np.sqrt(x * x + y * y + z * z))
+
+
+def _dot(one: Floats, other: Floats) -> Floats:
+    return np.asarray(one[:, 0] * other[:, 0] + one[:, 1] * other[:, 1] + one[:, 2] * other[:, 2])[:, None]
+
+
+def _fold(joints: Floats, size: Floats) -> None:
+    """Place the joints between the first and the last of some (G, 3 or 4, 3), so that all segments have a size (G, 1);
+    they are where the strand is, and the chord of those two is no longer than the segments together."""
+    begin, end, inner = joints[:, 0], joints[:, -1], joints.shape[1] - 2
+    chord = _sizes(end - begin)[:, None]
+    unit = np.divide(end - begin, chord, out=np.broadcast_to([0.0, 1.0, 0.0], begin.shape).copy(), where=chord > 0)
+    side = sum((joints[:, j] - 0.5 * (begin + end) for j in range(1, inner + 1)), np.zeros_like(begin))
+    for _ in range(2):  # once leaves rounding, of which little may be left where the strand is nearly straight
+        side = side - _dot(side, unit) * unit
+    across = np.cross(unit, np.eye(3)[np.argmin(np.abs(unit), axis=1)])
+    side = np.where(_dot(side, side) > STRAIGHT * size * size, side, across)
+    side = side * (1 / _sizes(side)[:, None])
+    ahead = 0.5 * (chord - (inner - 1) * size)
+    aside = np.sqrt(np.maximum(size * size - ahead * ahead, 0))
+    for j in range(1, inner + 1):
+        joints[:, j] = begin + (ahead + (j - 1) * size) * unit + aside * side
+
+
 def chained(groom: Groom, own: NDArray[np.int64], particles: int) -> tuple[Groom, Floats]:
     """The strands ``own`` as solvers take them, with so many particles at equal distances along them; and (k,) the
     greatest distance of a point from its chain, metres."""
-    points = picked_points(groom, own)
-    count, n, _ = points.shape
-    joints, deviation = np.empty((count, particles, 3)), np.empty(count)
-    low, share = np.empty(joints.shape[:2], np.int64), np.empty(joints.shape[:2], np.float32)
-    chains(even_offsets(count, n), points.reshape(-1, 3), low, share, joints, deviation)
+    joints, deviation = chains(picked_points(groom, own), particles)
     steps = np.diff(joints, axis=1)
     sizes = np.linalg.norm(steps, axis=2)
     ways = steps / np.maximum(sizes, 1e-300)[:, :, None]

@@ -7,19 +7,9 @@ import numpy.typing as npt
 from hypothesis import given, settings
 from hypothesis import strategies as st
 
-from strandcli.exchange.kernels.along import chains
-from strandcli.exchange.strands import offsets
+from strandcli.groom_file.guides import chains
 
-Floats = npt.NDArray[np.float64]
 Points = npt.NDArray[np.float32]
-
-
-def chain(points: Points, particles: int) -> tuple[Floats, float]:
-    """The chain (n, 3) of a strand (p, 3), and its deviation."""
-    joints, deviation = np.empty((1, particles, 3)), np.empty(1)
-    low, share = np.empty((1, particles), np.int64), np.empty((1, particles), np.float32)
-    chains(offsets(np.array([len(points)])), points, low, share, joints, deviation)
-    return joints[0], float(deviation[0])
 
 
 @st.composite
@@ -51,7 +41,7 @@ def strands(draw: st.DrawFn) -> Points:
 def test_chains_are_as_long_as_their_strands_and_end_at_their_tips(points: Points, particles: int) -> None:
     wide = points.astype(np.float64)
     whole = np.linalg.norm(np.diff(wide, axis=0), axis=1).sum()
-    joints, deviation = chain(points, particles)
+    (joints,), (deviation,) = chains(points[None], particles)
     sizes = np.linalg.norm(np.diff(joints, axis=0), axis=1)
     scale = np.abs(wide).max()
     assert np.abs(sizes - whole / (particles - 1)).max() <= 1e-9 * whole + 1e-14 * scale
