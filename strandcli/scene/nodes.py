@@ -1,6 +1,6 @@
 """The tree that a YAML file is read into: text, lists and mappings, each knowing where it was written.
 
-A scalar keeps its text and is given a type only where the setting that it fills says which (`scalars.py`). This is what
+A scalar keeps its text and is given a type only where the setting that it fills says which (`specs`). This is what
 keeps YAML's guesses out: `no` is never False before somebody asks for a truth value.
 
 Trees are never changed in place; what changes them gives a new tree that shares the rest with the old one.
