@@ -175,14 +175,10 @@ def test_what_nobody_has_used_for_long_is_removed_and_nothing_that_is_not_ours(t
     mine.mkdir()
     old, now = time.time() - 40 * folder.DAY, time.time()
     entries = {
-        f"raster.line-{'a' * 24}.kernel": (old, True),
-        f"raster.line-{'b' * 24}.kernel": (now, False),
-        f"step_{'c' * 16}.py": (old, True),
-        "123-abc_def.part": (now - 3600, True),
-        "124-abcdefg.part": (now, False),
-        "notes.kernel": (old, False),
-        "photo.jpg": (old, False),
-    }
+        f"raster.line-{'a' * 24}.kernel": (old, True), f"raster.line-{'b' * 24}.kernel": (now, False),
+        f"step_{'c' * 16}.py": (old, True), "123-abc_def.part": (now - 3600, True), "124-abcdefg.part": (now, False),
+        "notes.kernel": (old, False), "photo.jpg": (old, False),
+    }  # fmt: skip
     folders = {"kernels-0.0.9": (old, True), "kernels-0.0.8": (now, False),
                "photographs": (old, False), "0.0.9": (old, False)}  # fmt: skip
     for name in entries:

@@ -125,13 +125,10 @@ SCENES: dict[str, dict[str, Any]] = {
 def solver(**changes: Any) -> Any:
     settings = {
         "emitter": {"strands": 20, "particles": 6, "length": 0.5, "shape": {"kind": "sphere", "radius": 0.3}},
-        "emitter.keys": TURN,
-        "time": {"fps": 10, "frames": 40},
-        "solver": "thesis",
-        "solids": ALL,
+        "emitter.keys": TURN, "time": {"fps": 10, "frames": 40}, "solver": "thesis", "solids": ALL,
         "rules": ["emitter_motion", "gravity", {"wind": {"strength": 5, "gust": 0.5, "sway": 30}}, "collision"],
         **changes,
-    }
+    }  # fmt: skip
     one = strandcli.load("minimal", settings=settings)
     return simulate.solver_of(one)(one, groom_of(one))
 
