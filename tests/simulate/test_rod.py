@@ -31,19 +31,13 @@ def scene(gamma: float, *, direction: tuple[float, float, float] = (1, 0, 0), **
     settings = {
         "solver": "rod",
         "emitter": {
-            "shape": {"kind": "disc", "radius": 1e-6},
-            "direction": list(direction),
-            "strands": 1,
-            "particles": 10,
-            "length": 1.0,
-            "length_variation": 0.0,
-            "jitter": 0.0,
+            "shape": {"kind": "disc", "radius": 1e-6}, "direction": list(direction), "strands": 1, "particles": 10,
+            "length": 1.0, "length_variation": 0.0, "jitter": 0.0,
         },
-        "rules": [{"gravity": {"acceleration": [0, -PULL, 0]}}],
-        "solids": [],
+        "rules": [{"gravity": {"acceleration": [0, -PULL, 0]}}], "solids": [],
         "rod": {"density": 1000.0, "radius": 0.01, "young": young, "drag": 2.0, "damping": 0.0},
         **changes,
-    }
+    }  # fmt: skip
     return strandcli.load("minimal", settings=settings)
 
 
