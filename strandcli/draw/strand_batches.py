@@ -172,7 +172,7 @@ def divide(strands: int, n: int, curves: Curves, sorts: bool) -> list[tuple[int,
     at_once = BATCH_VERTICES // most
     if sorts:  # adaptive curves have half of the pieces that they may have, about
         several = 2 * BAND_VERTICES // (most + n)
-        at_once = several if strands * n > SORTED_POINTS else strands
+        at_once = several if strands * n > SORTED_POINTS else strands + W - 1
     step = max(at_once // W, 1) * W
     return [(begin, min(begin + step, strands)) for begin in range(0, strands, step)]
 
