@@ -27,8 +27,8 @@ from .kernels.packets import (
     PacketTree,
     fill,
 )  # fmt: skip
-from .kernels.tree import BINS, Bvh, build
-from .kernels.winding import CX, FAR, RADIUS_2
+from .kernels.tree import BINS, Bvh, build, refit
+from .kernels.winding import moments
 
 __all__ = ["Bvh", "DistanceGrid", "make_bvh", "make_distance_grid", "moved"]
 
@@ -44,52 +44,25 @@ def make_bvh(vertices: npt.NDArray[Any], triangles: npt.NDArray[Any]) -> Bvh:
     order = np.arange(count, dtype=np.int32)
     whole = Bvh(
         np.empty((2 * count - 1, 6), np.float32), np.empty(2 * count - 1, np.int32), np.empty(2 * count - 1, np.int32),
-        corners, order, np.empty((0, 7)),
+        corners, order, np.empty((1, 8)),
     )  # fmt: skip
     scratch = np.empty(count, np.int32)
     tasks, bins = np.empty((TASKS, 5), np.int32), np.empty((2 * BINS + 2, 6), np.float32)
     nodes = build(boxes, order, scratch, whole, tasks, bins, np.empty(2 * BINS, np.int32))
     bvh = Bvh(
         whole.boxes[:nodes].copy(), whole.child[:nodes].copy(), whole.counts[:nodes].copy(),
-        corners[order], order, np.empty((0, 7)),
+        corners[order], order, np.empty((nodes, 8)),
     )  # fmt: skip
-    return bvh._replace(moments=_moments(bvh))
+    moments(bvh)
+    return bvh
 
 
 def moved(bvh: Bvh, vertices: npt.NDArray[Any], triangles: npt.NDArray[Any]) -> Bvh:
     """The tree of the same triangles with their vertices elsewhere."""
     corners = np.ascontiguousarray(vertices, np.float64)[triangles[bvh.triangle]]
-    boxes, ranges = _boxes(corners), np.stack(_ranges(bvh), axis=1).reshape(-1)
-    padded = np.concatenate([boxes, boxes[-1:]])  # the last range ends with the boxes
-    low, high = (reduce.reduceat(padded, ranges)[::2] for reduce in (np.minimum, np.maximum))
-    found = bvh._replace(boxes=np.concatenate([low[:, :3], high[:, 3:]], axis=1), corners=corners)
-    return found._replace(moments=_moments(found))
-
-
-def _ranges(bvh: Bvh) -> tuple[npt.NDArray[np.int32], npt.NDArray[np.int32]]:
-    """(N,) the first triangle in each node, in tree order, and the one after its last."""
-    inner, nodes = bvh.counts == 0, np.arange(len(bvh.counts))
-    first, last = np.where(inner, nodes + 1, nodes), np.where(inner, bvh.child, nodes)
-    while inner[first].any() or inner[last].any():  # leaves, which stay
-        first, last = first[first], last[last]
-    return bvh.child[first], bvh.child[last] + bvh.counts[last]
-
-
-def _moments(bvh: Bvh) -> npt.NDArray[np.float64]:
-    """(N, 7) what winding numbers take of nodes: differences of sums over all triangles before their ends."""
-    a, b, c = np.moveaxis(bvh.corners, 1, 0)
-    sums, centres = np.zeros((len(a) + 1, 7)), (a + b + c) / 3.0
-    sums[1:, :3] = 0.5 * np.cross(b - a, c - a)
-    sums[1:, 6] = np.linalg.norm(sums[1:, :3], axis=1)
-    sums[1:, 3:6] = sums[1:, 6:] * centres
-    np.cumsum(sums, axis=0, out=sums)
-    begins, ends = _ranges(bvh)
-    found = sums[ends] - sums[begins]
-    area, centre = found[:, 6:], found[:, CX : CX + 3]
-    np.divide(centre, area, out=centre, where=area > 0)
-    centre[area[:, 0] <= 0] = centres[begins][area[:, 0] <= 0]
-    far = np.maximum(centre - bvh.boxes[:, :3], bvh.boxes[:, 3:] - centre)
-    found[:, RADIUS_2] = FAR * FAR * (far * far).sum(axis=1)
+    found = bvh._replace(boxes=np.empty_like(bvh.boxes), corners=corners, moments=np.empty_like(bvh.moments))
+    refit(_boxes(corners), found)
+    moments(found)
     return found
 
 

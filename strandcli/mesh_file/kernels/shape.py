@@ -9,7 +9,7 @@ import numpy as np
 
 from ...jit import device
 from ...meshes.kernels.distance import distance as grid_distance
-from ...meshes.kernels.distance import distance_and_gradient, vector_distance_and_gradient
+from ...meshes.kernels.distance import distance_and_gradient, vector_distance, vector_distance_and_gradient
 from ...meshes.kernels.nearest import apart, nearest, on_triangle
 from ...meshes.kernels.rays import first_hit, first_hits
 from ...simd import array_at
@@ -32,7 +32,7 @@ def distance(x, y, z, numbers, data):
 
 def distances(x, y, z, numbers, data):
     """The same, of vectors."""
-    return vector_distance_and_gradient(grid_of(data, int(numbers[0])), x, y, z)[0]
+    return vector_distance(grid_of(data, int(numbers[0])), x, y, z)
 
 
 def slopes(x, y, z, numbers, data):

@@ -83,6 +83,12 @@ def distance(grid, x, y, z):
 
 
 @inlined
+def vector_distance(grid, x, y, z):
+    """`distance` of vectors of points."""
+    return vector_distance_and_gradient(grid, x, y, z)[0]
+
+
+@inlined
 def vector_distance_and_gradient(grid, x, y, z):
     """`distance_and_gradient` of vectors of points."""
     values, spacing = grid.values, grid.spacing

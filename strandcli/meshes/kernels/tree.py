@@ -1,4 +1,4 @@
-"""A bounding volume hierarchy of triangles: what it consists of, and how it is built.
+"""A bounding volume hierarchy of triangles: what it consists of, how it is built, and how it follows moved corners.
 
 Binned surface area heuristic (Wald 2007, "On fast construction of SAH-based bounding volume hierarchies"). One thread
 builds, so nothing depends on how many there are.
@@ -33,7 +33,7 @@ class Bvh(NamedTuple):
     counts: (N,) int32, triangles of a leaf, at most 4; 0 of an inner node.
     corners: (T, 3, 3) float64, of each triangle in tree order its corners.
     triangle: (T,) int32, of each triangle in tree order its number in the mesh.
-    moments: (N, 7) float64, of each node what winding numbers take of it; columns in `winding`.
+    moments: (N, 8) float64, of each node what winding numbers take of it; columns in `winding`.
     """
 
     boxes: NDArray[np.float32]
@@ -182,3 +182,17 @@ def build(boxes, order, spare, bvh, tasks, bins, held):
             waiting += 1
         nodes += 1
     return nodes
+
+
+@function
+def refit(boxes, bvh):
+    """Make the boxes of a tree's nodes those of moved triangles; boxes: (T, 6) float32 in tree order."""
+    for node in range(bvh.boxes.shape[0] - 1, -1, -1):
+        box = bvh.boxes[node]
+        clear(box)
+        if bvh.counts[node] > 0:
+            for i in range(bvh.child[node], bvh.child[node] + bvh.counts[node]):
+                widen(box, boxes[i])
+        else:
+            widen(box, bvh.boxes[node + 1])
+            widen(box, bvh.boxes[bvh.child[node]])

@@ -14,11 +14,61 @@ import numpy as np
 from ...jit import device, function
 from ...simd.local import local_int32
 
-NX, NY, NZ, CX, CY, CZ, RADIUS_2 = range(7)
-"""Columns of moments: the sum of area vectors, the centre of area, the squared radius about it times `FAR` squared."""
+NX, NY, NZ, CX, CY, CZ, RADIUS_2, AREA = range(8)
+"""Columns of moments: the sum of area vectors, the centre of area, the squared radius about it times `FAR` squared,
+the area."""
 FAR = 2.0
 """Radii from which a part of the mesh counts as a dipole."""
 PER_TURN = 1.0 / (4.0 * math.pi)
+
+
+@function
+def moments(bvh):
+    """Write the moments of all nodes of a tree, from the last to the first."""
+    for node in range(bvh.boxes.shape[0] - 1, -1, -1):
+        one = bvh.moments[node]
+        for k in range(AREA + 1):
+            one[k] = 0.0
+        if bvh.counts[node] > 0:
+            for i in range(bvh.child[node], bvh.child[node] + bvh.counts[node]):
+                add_triangle(one, bvh.corners[i])
+        else:
+            add_moments(one, bvh.moments[node + 1])
+            add_moments(one, bvh.moments[bvh.child[node]])
+        box, far = bvh.boxes[node], 0.0
+        for k in range(3):
+            far += max(one[CX + k] - box[k], box[3 + k] - one[CX + k]) ** 2
+        one[RADIUS_2] = far * FAR * FAR
+
+
+@device
+def add_triangle(one, corners):
+    """Add a triangle's area vector and its centre of area to moments."""
+    ux, uy, uz = corners[1, 0] - corners[0, 0], corners[1, 1] - corners[0, 1], corners[1, 2] - corners[0, 2]
+    vx, vy, vz = corners[2, 0] - corners[0, 0], corners[2, 1] - corners[0, 1], corners[2, 2] - corners[0, 2]
+    nx, ny, nz = 0.5 * (uy * vz - uz * vy), 0.5 * (uz * vx - ux * vz), 0.5 * (ux * vy - uy * vx)
+    area = math.sqrt(nx * nx + ny * ny + nz * nz)
+    one[NX] += nx
+    one[NY] += ny
+    one[NZ] += nz
+    whole = one[AREA] + area
+    share = area / whole if whole > 0.0 else 1.0
+    for k in range(3):
+        centre = (corners[0, k] + corners[1, k] + corners[2, k]) / 3.0
+        one[CX + k] += share * (centre - one[CX + k])
+    one[AREA] = whole
+
+
+@device
+def add_moments(one, other):
+    """Add the moments of another node."""
+    for k in range(3):
+        one[NX + k] += other[NX + k]
+    whole = one[AREA] + other[AREA]
+    share = other[AREA] / whole if whole > 0.0 else 1.0
+    for k in range(3):
+        one[CX + k] += share * (other[CX + k] - one[CX + k])
+    one[AREA] = whole
 
 
 @device
