@@ -38,7 +38,6 @@ COSINE = layout.allocate(surfaces="light:reflect")[0]
 TRUE_X, TRUE_Y, TRUE_Z = layout.allocate(3, surfaces="light:soft")
 LEFT = layout.allocate(3, surfaces="maps:reflect")[0]
 ARRIVED = layout.allocate(3, surfaces="reflect")[0]
-SHINE = layout.allocate(surfaces="reflect")[0]
 # In a map: filter radius, texels; blur, texels a metre of distance to the occluder; that distance where no texel gives
 # one, metres; w of light that is scattered forward, metres.
 RADIUS, BLUR, AWAY, CLOUD = layout.allocate(4, surfaces="maps")
