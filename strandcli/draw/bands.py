@@ -79,7 +79,7 @@ def _within(batch: StrandBatch, top: int, bottom: int, counts: NDArray[np.int64]
         each = np.diff(lines.first)
         along = (np.arange(len(batch.screen)) - np.repeat(lines.first[:-1], each)).astype(np.float32)
         along *= np.repeat(np.float32(1) / np.maximum(each - 1, 1).astype(np.float32), each)
-    columns = {"world": lines.world, "along": along, "lost": lines.lost, "ways": lines.ways}
+    columns = {"world": lines.world, "along": along, "lost": lines.lost, "tangents": lines.tangents}
     columns |= {"screen": batch.screen, "widths": batch.widths}
     found = {}
     for name, column in columns.items():
@@ -99,7 +99,7 @@ def _joined(counts: list[NDArray[np.int64]], parts: list[Columns], batches: Stra
     screen, widths = column.get("screen", none), column.get("widths", none[:, 0] if wide else None)
     lines = Polylines(
         first, column.get("world", none), scale=None if level is None else level.scale,
-        along=column.get("along", none[:, 0]), lost=column.get("lost"), ways=column.get("ways"),
+        along=column.get("along", none[:, 0]), lost=column.get("lost"), tangents=column.get("tangents"),
     )  # fmt: skip
     return StrandBatch(
         0, len(first) - 1, lines, batches.strands.tones, screen, widths, batches.profiles(screen, widths)

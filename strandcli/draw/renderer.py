@@ -233,7 +233,7 @@ class Renderer:
     def shade(
         self, lighting: Lighting, batch: StrandBatch, marks: NDArray[np.uint8], visibility: NDArray[np.float32] | None
     ) -> NDArray[np.float32]:
-        """Return the radiance (V, 3) at the marked vertices; at the others it keeps its last value or is undefined.
+        """Return the radiance (V, 3) at the marked vertices; at the rest it keeps its last value or is undefined.
 
         visibility (lights, V): of each light whose model shades vertices, None if there are none.
         """

@@ -23,7 +23,7 @@ class Drawing:
     curve_px_max: float | None = None
     """Greatest distance of a polyline from its curve, pixels; None if curves are not adaptive."""
     follow_stretch_max: float | None = None
-    """Greatest share by which a strand's length had changed before it got it back; None: none follows others."""
+    """Greatest share by which a strand's length had changed before it got it back; None: none follows guides."""
     aovs: dict[str, NDArray[Any]] = field(default_factory=dict)
     """AOVs of the scene, by name (see `strandcli.draw.film.aovs`)."""
     clock: float = field(default_factory=time.perf_counter)

@@ -80,14 +80,14 @@ class Scratch:
             self._buffers[name] = buffer = _in_small_pages(size, dtype)
         return buffer[:size]
 
-    def extend(self, name: str, size: int, dtype: DTypeLike, kept: int, likely: int) -> NDArray[Any]:
-        """Return an array (size,) of this type whose first ``kept`` numbers are those of the last one of this name;
+    def extend(self, name: str, size: int, dtype: DTypeLike, retained: int, likely: int) -> NDArray[Any]:
+        """Return an array (size,) of this type whose first ``retained`` numbers are those of the last one of this name;
         likely: how long it will be in the end. Memory that is not written to is not taken."""
         buffer = self._buffers.get(name)
         if buffer is None or buffer.size < size or buffer.dtype != dtype:
             made = np.empty(max(size, likely) * 3 // 2, dtype)
-            if buffer is not None and kept:
-                made[:kept] = buffer[:kept]
+            if buffer is not None and retained:
+                made[:retained] = buffer[:retained]
             self._buffers[name] = buffer = made
         return buffer[:size]
 

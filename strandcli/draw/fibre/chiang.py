@@ -105,8 +105,8 @@ def detector(s: float) -> NDArray[np.float64]:
     k = np.arange(MOST_COEFFICIENTS)
     # the samples begin half a step after −π: turn each coefficient back to the middle
     turned = (series * np.exp(1j * np.pi * k * (1.0 - 0.5 / count))).real / full.sum()
-    kept = np.nonzero(np.abs(turned) > COEFFICIENT_FLOOR)[0]
-    return np.asarray(turned[: kept[-1] + 1])
+    significant = np.nonzero(np.abs(turned) > COEFFICIENT_FLOOR)[0]
+    return np.asarray(turned[: significant[-1] + 1])
 
 
 def azimuthal(

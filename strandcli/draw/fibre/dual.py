@@ -1,5 +1,5 @@
-"""Tables of dual scattering: light that reaches a strand through others, and what the strands about it send back.
-Built once per material, over the inclination of the light.
+"""Tables of dual scattering: light that reaches a strand through its neighbours, and what the strands about it send
+back. Built once per material, over the inclination of the light.
 
 docs/fibres.md has the model, three streams in closed form, and what its letters mean: after Zinke, Yuksel, Weber &
 Keyser (2008), for strands that are met at random, τ of them on average before a point and τ' behind it. Tables hold κ,
@@ -36,7 +36,7 @@ the light off."""
 MOST = 0.999
 """Part of light that a strand may scatter: at 1 no light would ever be lost in a mass of them."""
 APART = 0.02
-"""By which share k₀ and κ are kept apart: where they are one, P and Q are infinite."""
+"""Least relative difference of k₀ and κ: where they are one, P and Q are infinite."""
 
 
 def loss_table(tables: kernel.DualArrays) -> NDArray[np.float32]:
@@ -95,12 +95,12 @@ def build_tables(material: Material, roughness: float) -> kernel.DualArrays:
     cosine = np.einsum("j,ijpc->ic", weights * np.cos(phi), n)
     a_b = behind.sum(1)
     a = np.minimum(ahead.sum(1) + a_b, MOST)
-    kept = np.clip(np.einsum("j,ijpc->ic", weights * np.cos(2.0 * phi), n), 0.0, a - a_b)
+    second = np.clip(np.einsum("j,ijpc->ic", weights * np.cos(2.0 * phi), n), 0.0, a - a_b)
     # φ = π is light that goes straight on
     c = kernel.SLANT * 0.5 * (a + cosine)
     k = kernel.SLANT * (1.0 - a) + c
     decay = np.sqrt(k**2 - c**2)
-    beam = 1.0 - kept
+    beam = 1.0 - second
     beam = np.where(np.abs(beam / decay - 1.0) < APART, (1.0 + APART) * decay, beam)
     over = decay**2 - beam**2
 
@@ -109,8 +109,8 @@ def build_tables(material: Material, roughness: float) -> kernel.DualArrays:
     rows[:, kernel.DECAY : kernel.DECAY + 3] = decay
     rows[:, kernel.MIRROR : kernel.MIRROR + 3] = c / (k + decay)
     rows[:, kernel.BEAM : kernel.BEAM + 3] = beam
-    rows[:, kernel.ON : kernel.ON + 3] = ((a - a_b - kept) * (k + beam) + c * a_b) / over
-    rows[:, kernel.BACK : kernel.BACK + 3] = (a_b * (k - beam) + c * (a - a_b - kept)) / over
+    rows[:, kernel.ON : kernel.ON + 3] = ((a - a_b - second) * (k + beam) + c * a_b) / over
+    rows[:, kernel.BACK : kernel.BACK + 3] = (a_b * (k - beam) + c * (a - a_b - second)) / over
     rows[:, kernel.ROUND : kernel.ROUND + 3] = every.sum(1) / (2.0 * np.pi)
     rows[:, kernel.COSINE : kernel.COSINE + 3] = cosine * 2.0 / np.pi**2
     rows[:, kernel.SPREAD] = v_f

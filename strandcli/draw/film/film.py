@@ -157,7 +157,7 @@ def gradient(top: NDArray[np.float32], bottom: NDArray[np.float32], height: int)
 
 @functools.lru_cache(maxsize=1)
 def backdrop_of(image: Any) -> NDArray[np.float32]:
-    """Return the background (height, width, 3), linear, in samples, which is nobody's to write to; black where there is
+    """Return the background (height, width, 3), linear, in samples, read-only; black where there is
     none."""
     samples, (width, height) = image.supersample, image.drawn
     if image.has_alpha:

@@ -40,7 +40,7 @@ class Polylines:
     lost: NDArray[np.float32] | None = None
     """(V,) share of its strand's width that is lost at each vertex; None: what the material's taper takes up to
     there."""
-    ways: NDArray[np.float32] | None = None
+    tangents: NDArray[np.float32] | None = None
     """(V, 3) along the strand at each vertex, root to tip, of any length; None: from the vertex before to the next."""
 
     def tapered(self, taper: float) -> tuple[np.float32, NDArray[np.float32] | None]:
@@ -143,7 +143,8 @@ def _thinned(
     positions: NDArray[np.float32], strands: int, curves: Curves, view: View, scratch: Scratch,
     fade: NDArray[np.float32] | None, radii: NDArray[np.float32] | None,
 ) -> Polylines:  # fmt: skip
-    """Return polylines of those particles alone that others are within the tolerance of; arguments as in `flatten`."""
+    """Return polylines of those particles alone that the rest are within the tolerance of; arguments as in
+    `flatten`."""
     rows = scratch.borrow("chosen_rows", (strands, positions.shape[1] - 1), np.uint16)
     sizes, off = scratch.borrow("sizes", strands, np.int64), scratch.borrow("curve_error", strands, np.float32)
     left = ALL_DRAWN if fade is None else fade
@@ -153,6 +154,6 @@ def _thinned(
     np.cumsum(sizes, out=first[1:])
     world = scratch.borrow("world", (int(first[-1]), 3), np.float32)
     along = scratch.borrow("along", int(first[-1]), np.float32)
-    ways = scratch.borrow("ways", world.shape, np.float32)
-    thinning.write(positions, rows, first, world, along, ways)
-    return Polylines(first, world, float(off.max()), along=along, ways=ways)
+    tangents = scratch.borrow("tangents", world.shape, np.float32)
+    thinning.write(positions, rows, first, world, along, tangents)
+    return Polylines(first, world, float(off.max()), along=along, tangents=tangents)

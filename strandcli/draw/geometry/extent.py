@@ -88,9 +88,9 @@ def extents_on_screen(
 def thickness_of(
     material: Material, view: View, bounds: NDArray[np.float64], shares: NDArray[np.float32] | None = None
 ) -> Thickness:
-    """Return the width with which strands shade others. Lines one pixel wide have the width of a pixel at the depth of
-    the groom's centre; bounds (2, 3): bounding box, metres; shares (strands, n): of each strand's width, at its
-    points, None: as the material tapers."""
+    """Return the width with which strands shade their neighbours. Lines one pixel wide have the width of a pixel at the
+    depth of the groom's centre; bounds (2, 3): bounding box, metres; shares (strands, n): of each strand's width, at
+    its points, None: as the material tapers."""
     if material.width > 0:
         return Thickness(material.width, material.drawn_taper if shares is None else 2 * (1 - float(shares.mean())))
     depth = max(float((bounds.mean(0) - view.eye) @ view.forward), view.near) if view.perspective else 1.0

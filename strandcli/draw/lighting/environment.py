@@ -1,8 +1,8 @@
 """Environment light from a lat-long picture: PNG of 8 or 16 bits and JPEG (taken as sRGB), or Radiance .hdr.
 
 Rows go from +y down to −y, columns from −z by +x, +z and −x round to −z again. The first nine spherical harmonics are
-kept (Ramamoorthi & Hanrahan 2001: the mean error on a surface is below .1 %), convolved with the cosine of surfaces or
-the sine of strands, so that a kernel evaluates nine terms. `strandcli.draw.lighting.occlusion` computes how much of
+stored (Ramamoorthi & Hanrahan 2001: the mean error on a surface is below .1 %), convolved with the cosine of surfaces
+or the sine of strands, so that a kernel evaluates nine terms. `strandcli.draw.lighting.occlusion` computes how much of
 this light is occluded.
 """
 
@@ -22,7 +22,7 @@ from ...files.picture_samples import MOST, opened, samples
 if TYPE_CHECKING:
     from ...scene.model import Scene
 
-TOO_MANY = f"more than {MOST:,} pixels (such as 8192 x 8192); scale it down, nine numbers are kept of it"
+TOO_MANY = f"more than {MOST:,} pixels (such as 8192 x 8192); scale it down, nine numbers are stored of it"
 MOST_IN_A_BYTE = 16
 """Pixels of a Radiance picture: two bytes hold at most 127 times one of four channels."""
 AT_ONCE = 65_536
@@ -67,14 +67,14 @@ def coefficients(picture: NDArray[np.floating], rotation: float = 0.0) -> NDArra
     area = 2.0 * np.pi / width * (edges[:-1] - edges[1:])
     found = np.zeros((9, 3))
     for row in range(height):
-        ways = np.stack(
+        directions = np.stack(
             [
                 math.sin(polar[row]) * np.sin(around),
                 np.full(width, math.cos(polar[row])),
                 -math.sin(polar[row]) * np.cos(around),
             ]
         )
-        found += area[row] * (basis(ways) @ picture[row].astype(np.float64))
+        found += area[row] * (basis(directions) @ picture[row].astype(np.float64))
     # ∫ L(ω) w(ω·n) dω = Σ λ_l (4π / norm) f_i B_i(n), for basis functions B that are not normalised
     found *= (np.array(NORMS) / (4.0 * np.pi))[:, None]
     return np.stack([found * np.array([zonal[order] for order in ORDERS])[:, None] for zonal in (SINE, COSINE)]).astype(
@@ -86,9 +86,9 @@ NORMS = (1.0, 3.0, 3.0, 3.0, 15.0, 15.0, 1.25, 15.0, 3.75)
 """4π over the integral of each basis function's square."""
 
 
-def basis(way: NDArray[np.float64]) -> NDArray[np.float64]:
+def basis(direction: NDArray[np.float64]) -> NDArray[np.float64]:
     """Return (9, …) the basis functions 1, x, y, z, xy, yz, 3z² − 1, xz, x² − y² of unit vectors (3, …)."""
-    x, y, z = way
+    x, y, z = direction
     return np.stack([np.ones_like(x), x, y, z, x * y, y * z, 3.0 * z * z - 1.0, x * z, x * x - y * y])
 
 

@@ -111,7 +111,7 @@ class Lighting:
         p = self.palette
         shade_strands.strands(
             inputs.Vertices(
-                lines.first, lines.world, given(lines.along), given(lines.ways, 3), marks, tones, self.view.pack()
+                lines.first, lines.world, given(lines.along), given(lines.tangents, 3), marks, tones, self.view.pack()
             ),
             inputs.StrandColour(p.colour, given(p.tint, 0, 6), p.diffuse), self._surround(), p.arrays, p.dual,
             self._lights(given(clear, 0)), map_arrays(self.maps), self.solids or NONE,

@@ -63,7 +63,7 @@ def build(
 
     positions (blocks, n + 1, 3 W), of which the first ``strands`` count; bounds (2, 3): their bounding box, metres;
     packed: solids from `strandcli.solids.pack`; numbers: where the strands of positions are among the ``strands``,
-    of which the others have no width, None: 0, 1, …; shares (strands, n): of each strand's width, at its points, None:
+    of which the rest have no width, None: 0, 1, …; shares (strands, n): of each strand's width, at its points, None:
     as the thickness tapers"""
     low, high = _box(bounds, packed)
     counts, sides, box = _grid(low, high, settings.cells)
@@ -77,11 +77,11 @@ def build(
         positions, chosen, np.float32(thickness.width), np.float32(thickness.taper),
         None if level is None else level.scale, shares, np.float32(weight), box, cells,
     )  # fmt: skip
-    ways = directions(settings.directions)
-    left = scratch.borrow("occlusion_left", (len(ways), total), np.uint8)
-    occlusion_sweep.sweep(cells, counts, sides, ways, left)
+    rays = directions(settings.directions)
+    left = scratch.borrow("occlusion_left", (len(rays), total), np.uint8)
+    occlusion_sweep.sweep(cells, counts, sides, rays, left)
     volume = scratch.borrow("occlusion", (total, 4), np.float32)
-    occlusion_sweep.combine(cells, counts, sides, box, ways, left, packed or NONE, volume)
+    occlusion_sweep.combine(cells, counts, sides, box, rays, left, packed or NONE, volume)
     return Occlusion(volume, box)
 
 
@@ -129,10 +129,10 @@ def _grid(
     for _ in range(3):
         side = (np.prod(extent[free]) / (cells / np.prod(counts[~free]))) ** (1.0 / free.sum())
         counts[free] = np.clip(np.ceil(extent[free] / side), FEWEST, MOST)
-        held = free & (counts == FEWEST)
-        if not held.any() or not (free & ~held).any():
+        fixed = free & (counts == FEWEST)
+        if not fixed.any() or not (free & ~fixed).any():
             break
-        free &= ~held
+        free &= ~fixed
     sides = extent / counts
     box = np.array([*(low + sides / 2), *(1.0 / sides), *counts, 0.5 * float(extent.mean())], np.float32)
     return counts.astype(np.int64), sides.astype(np.float32), box

@@ -15,7 +15,7 @@ from ..fibre.pigment import absorption, colour_of, tint, varies
 
 ALONG = 17
 TONES, TONES_GREY = 9, 65
-"""Nodes over the tone, without and with grey strands, whose colours must hardly be interpolated with others."""
+"""Nodes over the tone, without and with grey strands, whose colours must hardly be interpolated with the rest."""
 MOST = 0.92
 """Greatest part of a strand's colour that its shade makes paler."""
 

@@ -82,15 +82,15 @@ def parts_in_map(
     shared = min(count * (PARTS - 1), len(strands.screen) // PART)  # as `kernels.map_parts.shared_before` for all
     parts = count + shared
     room = len(strands.screen) + shared + SEGMENTS + 1  # vectors look beyond the last part
-    kept = scratch.borrow("map_vertices", (room, 4), np.float32)
+    vertices = scratch.borrow("map_vertices", (room, 4), np.float32)
     found, order = (scratch.borrow(name, (parts, 4), np.int32) for name in ("map_parts", "map_order"))
     places = scratch.borrow("map_places", parts, np.uint16)
     costs = scratch.borrow("map_costs", parts if workers > 1 else 0, np.float32)
     begin, loads, borders = np.empty(4**BITS + 1, np.int64), np.empty(side), np.empty(workers + 1, np.int64)
     at_once = extents if get_num_threads() == 1 else NO_EXTENTS  # several threads would write to the same cells
-    part_vertices.thin(strands, sketch, seen, side, kept, found, places, costs, at_once)
+    part_vertices.thin(strands, sketch, seen, side, vertices, found, places, costs, at_once)
     there = map_parts.sort(found, places, costs, begin, loads, order, borders)
-    found_parts = PartsInMap(kept, order[:there], borders)
+    found_parts = PartsInMap(vertices, order[:there], borders)
     if len(extents) > len(at_once):
         opacity_maps.measure(found_parts, side, extents)
     return found_parts

@@ -160,7 +160,7 @@ def parallel_view(direction: ArrayLike, size: int, bounds: NDArray[np.float64]) 
     # a single strand along the light has an extent of rounding errors only
     extent = max(float(np.abs(corners @ right).max()), float(np.abs(corners @ up).max()), 1e-3 * radius)
     eye = centre - forward * radius * 1.01
-    # one texel is kept free on every side
+    # one texel is left free on every side
     focal = max(size - 2, 1) / (2 * extent)
     return View(eye, right, up, forward, False, focal, 0.0, 2.02 * radius, size, size)
 

@@ -235,7 +235,7 @@ def test_vertices_know_where_on_the_strand_they_stand() -> None:
     np.testing.assert_array_equal(lines.along, rows.astype(np.float32) * np.float32(1 / 69))
     np.testing.assert_array_equal(lines.world, p[strand, rows])
     before, after = p[strand, np.maximum(rows - 1, 0)], p[strand, np.minimum(rows + 1, 69)]
-    np.testing.assert_allclose(lines.ways, after - before, atol=1e-6)
+    np.testing.assert_allclose(lines.tangents, after - before, atol=1e-6)
 
 
 def test_widths_are_those_of_the_same_points_of_the_whole_strand() -> None:

@@ -145,7 +145,7 @@ def in_light(lines: Polylines, thickness: Thickness, view: View) -> float:
     parts = parts_in_map(lines, thickness, view, int(view.width), 1, Scratch())
     total = 0.0
     for begin, vertices in parts.order[:, :2]:
-        kept = parts.kept[begin : begin + vertices].astype(np.float64)
+        kept = parts.vertices[begin : begin + vertices].astype(np.float64)
         there = kept[1:, WIDE] >= 0
         total += (np.hypot(*np.diff(kept[:, :2], axis=0).T) * kept[1:, WIDE])[there].sum()
     return total / view.focal**2

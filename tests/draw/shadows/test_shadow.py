@@ -212,7 +212,7 @@ def drawn(maps: ShadowMaps, lines: Polylines) -> tuple[int, float]:
     parts = maps.parts(0, lines, 1, Scratch())
     count, area = 0, 0.0
     for begin, vertices in parts.order[:, :2]:
-        kept = parts.kept[begin : begin + vertices].astype(np.float64)
+        kept = parts.vertices[begin : begin + vertices].astype(np.float64)
         there = kept[1:, WIDTH] >= 0
         count += np.count_nonzero(there)
         area += (np.hypot(*np.diff(kept[:, :2], axis=0).T) * kept[1:, WIDTH])[there].sum()

@@ -159,7 +159,7 @@ def cover_cells(work, n, target, m):
 @device
 def locate(work, cells, n, target):
     """Store the pixels within the tile of the three rows of each of the first n cells, and set the opacity of those
-    outside to 0; add the position along the segment to `PLACE`, which held that of the segment's beginning."""
+    outside to 0; add the position along the segment to `PLACE`, before that of the segment's beginning."""
     most = np.int32(np.int64(1) << target.place_bits) - np.int32(1)
     fine = np.float32(most) + ONE
     wide = np.uint32(target.right - target.left)

@@ -182,8 +182,8 @@ def composite(fragments, counts, ends, order, vertices, tile, o, out, marks):
     fragments, counts, ends, order: from `sorting.sort_pixels`; vertices: number of vertices of all strands; tile:
     `tiles.Tile`; out: `tiles.Fragments`; marks (V,): set at the vertices that they take light from.
 
-    Segments that follow each other in their strand and in depth are parts of one surface: their opacities add up. All
-    others cover the pixel independently. A fragment before which less than `tiles.Fragments.slight` is let through
+    Segments that follow each other in their strand and in depth are parts of one surface: their opacities add up. The
+    rest cover the pixel independently. A fragment before which less than `tiles.Fragments.slight` is let through
     takes the light of that end of its part of the strand whose rank among lit vertices is even, so that fewer vertices
     are lit; this depends on its pixel alone, so that neither layers nor a crop window change one.
     """

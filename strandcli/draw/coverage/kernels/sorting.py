@@ -22,7 +22,7 @@ ONE_BIT, FOUR = np.uint64(1), np.uint64(NUMBERS)
 def sort_pixels(fragments, counts, ends, depths, ranks, spare, order):
     """Write the indices of listed fragments to `order`, each pixel's sorted by depth, nearest first, ties by vertex.
 
-    fragments, counts, ends, depths: `listed` and others of `crowds.list_by_pixel`; ranks (RUN,) float32, spare:
+    fragments, counts, ends, depths: `listed` and the rest of `crowds.list_by_pixel`; ranks (RUN,) float32, spare:
     scratch.
 
     The rank of a fragment is the number of nearer ones. To count them takes more comparisons than other methods, but

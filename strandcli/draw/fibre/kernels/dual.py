@@ -1,4 +1,4 @@
-"""Light that comes to a strand by way of others: dual scattering, as `strandcli.draw.fibre.dual` explains."""
+"""Light that comes to a strand through its neighbours: dual scattering, as `strandcli.draw.fibre.dual` explains."""
 
 from __future__ import annotations
 
@@ -20,7 +20,7 @@ from .chiang import lobe
 
 TINY = np.float32(1e-12)
 SLANT = np.float32(math.sqrt(2.0))
-"""Of light at 45° to the way that strands are counted along, what they meet over what crosses it."""
+"""Of light at 45° to the direction that strands are counted along, what they meet over what crosses it."""
 PER_QUARTER = np.float32(2.0 / math.pi)
 LEAST = np.float32(1e-4)
 PALER = np.float32(4.0)
@@ -121,7 +121,7 @@ def scattered(passed, left, direct, cos_phi, lobes, streams, round_about, tone):
 
 @device
 def dual_scattering(work, n, lights, one, tables):
-    """Add the light of number `one` that comes by way of other strands, at the first n vertices of a batch.
+    """Add the light of number `one` that comes through other strands, at the first n vertices of a batch.
 
     work: rows of `batch`, of which those of directions, strands before and behind, and of what arrives without strands
     are read; tables: `DualArrays`.

@@ -13,7 +13,7 @@ with `strandcli.jit.device`: (work, n, lights, i, tables) adds to the radiance o
 they scatter of light number i. Rows of work are those of `strandcli.draw.common.kernels.batch`. The function reads
 `TX`, `LX`, `EX` (unit tangent, to the light, to the eye, three rows each), `ARRIVES` (what arrives of the light),
 `COLOUR` and `EXTRA`, and adds arrives · power · S cos θ_l to `RADIANCE`, no other cosine, where power is lights[i,
-POWER_R] and so on (`light_columns`). The rows held in the stage "highlights" are its own to write to.
+POWER_R] and so on (`light_columns`). The rows in the stage "highlights" are its own to write to.
 
 It may have, too,
 

@@ -47,7 +47,7 @@ def mark(keys, base, count, per, stride, listed, marks):
 def find_strands(keys, first, width, base, count, columns, vertices):
     """List which of the keys first … first + width − 1 show one of `count` vertices, and its number; return how many.
 
-    Without branches, so that memory accesses of one pixel overlap with the arithmetic of others.
+    Without branches, so that memory accesses of one pixel overlap with the arithmetic of the next.
     """
     last = np.uint64(max(count - 1, 0))  # 0 without vertices, which excludes every pixel
     shown = pointer(keys)
@@ -101,8 +101,8 @@ def colours(keys, base, screen, per, stride, vertex, image):
             dx = points[v + THREE] - x0
             dy = points[v + FOUR] - y0
             flat = abs(dx) >= abs(dy)
-            way = dx if flat else dy
-            t = (np.float32(x) + HALF - x0 if flat else across - y0) / (way if way != ZERO else ONE)
+            step = dx if flat else dy
+            t = (np.float32(x) + HALF - x0 if flat else across - y0) / (step if step != ZERO else ONE)
             t = min(max(t, ZERO), ONE)
             if stride > 1:
                 v -= THREE * np.uint64(past[k])

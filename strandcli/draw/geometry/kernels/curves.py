@@ -32,20 +32,20 @@ def flatten(positions, lengths, strands, pieces, fixed, as_printed, first, world
         begin = np.int64(group) * LANES
         end = min(begin + LANES, strands)
         if first[end] != first[begin]:
-            ways = np.empty(0 if straight else 3 * LANES * positions.shape[1], np.float32)
+            tangents = np.empty(0 if straight else 3 * LANES * positions.shape[1], np.float32)
             if not straight:
-                find_tangents(positions, begin, lengths, as_printed, ways)
+                find_tangents(positions, begin, lengths, as_printed, tangents)
             for s in range(begin, end):
                 if first[s + 1] == first[s]:
                     continue
-                write_polyline(positions[s // W], lengths, s, pieces, fixed, ways, first[s], world)
+                write_polyline(positions[s // W], lengths, s, pieces, fixed, tangents, first[s], world)
                 if along.shape[0] > 0:
                     write_along(pieces[s], along, first[s])
 
 
 @inlined
-def write_polyline(block, lengths, s, pieces, fixed, ways, v, world):
-    """Write the polyline of strand s, in a block (n + 1, 3 W), from vertex v on; ways: from `find_tangents`; other
+def write_polyline(block, lengths, s, pieces, fixed, tangents, v, world):
+    """Write the polyline of strand s, in a block (n + 1, 3 W), from vertex v on; tangents: from `find_tangents`; other
     arguments as in `flatten`."""
     n = block.shape[0] - 1
     lane = s % W
@@ -61,9 +61,9 @@ def write_polyline(block, lengths, s, pieces, fixed, ways, v, world):
             before, after = 3 * (i - 1) * LANES + s % LANES, 3 * i * LANES + s % LANES
             if lengths is None:
                 third = norm(ex, ey, ez) * THIRD
-            tx, sx = ways[before] * third, ways[after] * third
-            ty, sy = ways[before + LANES] * third, ways[after + LANES] * third
-            tz, sz = ways[before + 2 * LANES] * third, ways[after + 2 * LANES] * third
+            tx, sx = tangents[before] * third, tangents[after] * third
+            ty, sy = tangents[before + LANES] * third, tangents[after + LANES] * third
+            tz, sz = tangents[before + 2 * LANES] * third, tangents[after + 2 * LANES] * third
             for j in range(1, m):
                 t = np.float32(j) * per
                 write_vertex(

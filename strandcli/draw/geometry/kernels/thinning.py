@@ -1,8 +1,8 @@
-"""Fewer vertices of dense strands: points within a tolerance of the segment between those that are kept go.
+"""Fewer vertices of dense strands: points within a tolerance of the segment between those that are retained go.
 
 A segment begins at the point where the last one ended and reaches as far as all points under it allow: its number of
 points is doubled as long as that holds, and then found by halving the interval. Both test every point under the
-segment, so the tolerance is held, whatever the strand looks like. Where its width varies from point to point, the
+segment, so the tolerance holds, whatever the strand looks like. Where its width varies from point to point, the
 distance between its edge and that of the segment counts as well.
 """
 
@@ -152,12 +152,12 @@ def farthest(points, radii, begin, end, square):
 
 
 @parallel
-def write(positions, rows, first, world, along, ways):
+def write(positions, rows, first, world, along, tangents):
     """Write the vertices of strands that `choose` has thinned.
 
     positions, rows: as there; first (strands + 1,) int64 vertex offsets; world (V, 3) out: metres; along (V,) float32
-    out: the number of the point of each vertex, as a share of the last, 0 to 1; ways (V, 3) out: from the point before
-    it to that after it, metres, whether they are vertices or not.
+    out: the number of the point of each vertex, as a share of the last, 0 to 1; tangents (V, 3) out: from the point
+    before it to that after it, metres, whether they are vertices or not.
     """
     n = positions.shape[1] - 1
     per = ONE / np.float32(n - 1)
@@ -170,5 +170,5 @@ def write(positions, rows, first, world, along, ways):
                 before, after = max(i, 1), min(i + 2, n)
                 for c in range(3):
                     world[v, c] = block[i + 1, c * W + lane]
-                    ways[v, c] = block[after, c * W + lane] - block[before, c * W + lane]
+                    tangents[v, c] = block[after, c * W + lane] - block[before, c * W + lane]
                 along[v] = np.float32(i) * per

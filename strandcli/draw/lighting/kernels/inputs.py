@@ -21,7 +21,7 @@ class Vertices(NamedTuple):
     """(V, 3) metres."""
     along: NDArray[np.float32]
     """(V,) how far along its strand each vertex stands, 0 to 1; (0,): evenly."""
-    ways: NDArray[np.float32]
+    tangents: NDArray[np.float32]
     """(V, 3) along the strand at each vertex, of any length; (0, 3): from the vertex before to that after."""
     marks: NDArray[np.uint8]
     """(V,) non-zero for vertices to shade."""
@@ -97,7 +97,7 @@ class Screen(NamedTuple):
     """(height * width,) not 0 at pixels that are left as they are; no rows: all are shaded."""
     begin: int
     end: int
-    """The rows that are shaded: begin … end − 1, the others are left as they are."""
+    """The rows that are shaded: begin … end − 1, the rest are left as they are."""
     triangles: NDArray[np.int32]
     """(height * width,) the triangle that a pixel shows of a solid that consists of some, at which its look is looked
     for first; −1, or no rows: unknown."""

@@ -37,7 +37,7 @@ OPEN, SHUT = np.float32(0.42), np.float32(0.2)
 """Share of the whole sky that is left where there are no strands, and where a ray does not get through."""
 FREE = np.int64(-1)
 """Stands for a ray that meets no solid."""
-WAY, FAR = 0, 3 * W
+DIRECTION, FAR = 0, 3 * W
 """Rows of a batch's rays: unit direction, three rows, and metres to the nearest other solid."""
 RAYS = 4
 
@@ -55,7 +55,7 @@ class Rays(NamedTuple):
 
     work: NDArray[np.float32]
     """The batch."""
-    ways: NDArray[np.float32]
+    rows: NDArray[np.float32]
     """(RAYS W,)"""
     hits: NDArray[np.int64]
     """(W,) number of the solid that each ray meets, or `FREE`."""
@@ -80,9 +80,9 @@ def number_of(solids):
 
 
 @device
-def follow(way, n, solids, which):
+def follow(reflected, n, solids, which):
     """Store the mirror rays, `Rays`, of the first n points of a batch of solid number `which`, and what each meets."""
-    work, ways = way.work, way.ways
+    work, rows = reflected.work, reflected.rows
     for k in range(n):
         nx, ny, nz = vector_at(work, NX, k)
         ex, ey, ez = vector_at(work, EX, k)
@@ -98,38 +98,38 @@ def follow(way, n, solids, which):
             if ZERO < t < near:
                 near = t
                 hit = np.int64(j)
-        set_vector(ways, WAY, k, (mx, my, mz))
-        ways[FAR + k] = near
-        way.hits[k] = hit
+        set_vector(rows, DIRECTION, k, (mx, my, mz))
+        rows[FAR + k] = near
+        reflected.hits[k] = hit
 
 
 @device
-def gather(way, n, hit):
+def gather(reflected, n, hit):
     """Fill the batch `Rays.seen` with the points at which rays meet solid number `hit`; return how many."""
-    work, ways, other = way.work, way.ways, way.seen
+    work, rows, other = reflected.work, reflected.rows, reflected.seen
     m = np.int64(0)
     for k in range(n):
-        if way.hits[k] != hit:
+        if reflected.hits[k] != hit:
             continue
-        far = ways[FAR + k]
+        far = rows[FAR + k]
         x, y, z = vector_at(work, X, k)
-        mx, my, mz = vector_at(ways, WAY, k)
+        mx, my, mz = vector_at(rows, DIRECTION, k)
         set_vector(other, X, m, (x + far * mx, y + far * my, z + far * mz))
         set_vector(other, EX, m, (-mx, -my, -mz))
         other[PIXEL + m] = TWO * work[PIXEL + k]
         other[BEFORE + m] = -ONE
-        way.points[m] = k
+        reflected.points[m] = k
         m += np.int64(1)
     return m
 
 
 @device
-def add(way, k, seen, there, sky, surround, strands, lights, coats, which):
+def add(reflected, k, seen, there, sky, surround, strands, lights, coats, which):
     """Add to point k of a batch what its coat mirrors instead of ambient light: a radiance `seen` (r, g, b), of which
     the share `there` covers the radiance `sky` (r, g, b), behind strands. strands: `StrandLight`; lights: the rows of
     `Lights`."""
-    work, ways = way.work, way.ways
-    ray, place = vector_at(ways, WAY, k), vector_at(work, X, k)
+    work, rows = reflected.work, reflected.rows
+    ray, place = vector_at(rows, DIRECTION, k), vector_at(work, X, k)
     nx, ny, nz = vector_at(work, NX, k)
     ex, ey, ez = vector_at(work, EX, k)
     facing = nx * ex + ny * ey + nz * ez
@@ -140,7 +140,7 @@ def add(way, k, seen, there, sky, surround, strands, lights, coats, which):
         visible = occlusion.sky_visibility(
             surround.volume, surround.box, place[0], place[1], place[2], ray[0], ray[1], ray[2]
         )
-        covered = strands_along(surround, place, ray, ways[FAR + k])
+        covered = strands_along(surround, place, ray, rows[FAR + k])
     for c in range(3):
         arrives = HALF * sky[c]
         for i in range(lights.shape[0]):

@@ -38,12 +38,12 @@ class Listed(NamedTuple):
 
 
 @device
-def hide(cells, counts, sides, box, ways, listed, solids, i):
+def hide(cells, counts, sides, box, directions, listed, solids, i):
     """Set what `occlusion_sweep.sweep` has left to 0 where a solid hides the sky from a cell of slab i; arguments as
     there; listed: `Listed`.
 
     For a cell whose centre is inside of a solid, the nearest point of the surface counts. Solids are tested only for
-    cells near strands or surfaces, since no others are looked up. Rays past custom solids are listed, and go
+    cells near strands or surfaces, since only these are looked up. Rays past custom solids are listed, and go
     on together (`by_distances`): as soft shadows do, of a light without a size. That takes a tenth of the time of rays
     that meet triangles, and is as exact as light that varies from cell to cell needs.
     """
@@ -62,11 +62,11 @@ def hide(cells, counts, sides, box, ways, listed, solids, i):
             if (ox == x) & (oy == y) & (oz == z) and not occupied(cells, counts, i, j, k):
                 continue
             x, y, z = outside(x, y, z, skin + skin, solids)
-            for d in range(ways.shape[0]):
+            for d in range(directions.shape[0]):
                 at = d * total + cell
                 if listed.every[at] == DARK:
                     continue
-                lx, ly, lz = ways[d, 0], ways[d, 1], ways[d, 2]
+                lx, ly, lz = directions[d, 0], directions[d, 1], directions[d, 2]
                 seen = rays.visibility_past_built_in(solids, x, y, z, lx, ly, lz, FAR, skin)
                 if seen > ZERO:
                     ox, oy, oz = x + skin * lx, y + skin * ly, z + skin * lz
@@ -76,16 +76,16 @@ def hide(cells, counts, sides, box, ways, listed, solids, i):
             places[found, 0], places[found, 1], places[found, 2] = x, y, z
             places[found, 3] = np.float32(cell - i * counts[1] * counts[2])
             found += 1
-    list_rays(solids, ways, listed, found, i * counts[1] * counts[2], total, skin)
+    list_rays(solids, directions, listed, found, i * counts[1] * counts[2], total, skin)
 
 
-@custom.by_form(lambda solids, ways, listed, found, slab, total, skin: None, "distances_in_own")
+@custom.by_form(lambda solids, directions, listed, found, slab, total, skin: None, "distances_in_own")
 def list_rays(form):
     """`list_all` where custom solids have distances of vectors."""
     return list_all
 
 
-def list_all(solids, ways, listed, found, slab, total, skin):
+def list_all(solids, directions, listed, found, slab, total, skin):
     """Run `past_distances` for the first cells in `Listed.near`, so many as were found, direction by direction: rays of
     one direction that begin side by side take about as many steps.
 
@@ -93,14 +93,14 @@ def list_all(solids, ways, listed, found, slab, total, skin):
     """
     work, near = listed.work, listed.near
     count = np.int64(0)
-    for d in range(ways.shape[0]):
+    for d in range(directions.shape[0]):
         for c in range(found):
             place = d * total + slab + np.int64(near[c, 3])
             if listed.every[place] == DARK:
                 continue
             listed.places[count] = place
             batch.set_vector(work, batch.X, count, (near[c, 0], near[c, 1], near[c, 2]))
-            batch.set_vector(work, batch.LX, count, (ways[d, 0], ways[d, 1], ways[d, 2]))
+            batch.set_vector(work, batch.LX, count, (directions[d, 0], directions[d, 1], directions[d, 2]))
             count += 1
             if count == W:
                 past_distances(listed, count, solids, skin)

@@ -42,34 +42,34 @@ class Planes(NamedTuple):
 
 
 @parallel
-def sweep(cells, counts, sides, ways, left):
+def sweep(cells, counts, sides, directions, left):
     """Write the transmittance of strands toward each direction to left (K, V) uint8, 255 for 1, at the cells' centres.
 
-    cells (V, CHANNELS), 1/m; counts (3,) int64; sides (3,): sides of a cell, metres; ways (K, 3): unit vectors toward
-    the light, of which the second half are the opposites of the first, with the same extinction.
+    cells (V, CHANNELS), 1/m; counts (3,) int64; sides (3,): sides of a cell, metres; directions (K, 3): unit vectors
+    toward the light, of which the second half are the opposites of the first, with the same extinction.
     """
-    half = ways.shape[0] // 2
-    for way in prange(half):
-        d = np.int64(way)
+    half = directions.shape[0] // 2
+    for number in prange(half):
+        d = np.int64(number)
         axis = np.int64(0)  # with a literal, Numba would compile the functions below twice
         for k in range(1, 3):
-            if abs(ways[d, k]) * sides[axis] > abs(ways[d, axis]) * sides[k]:
+            if abs(directions[d, k]) * sides[axis] > abs(directions[d, axis]) * sides[k]:
                 axis = k
         one = 1 if axis == 0 else 0
         two = 1 if axis == 2 else 2
         size = (counts[one] + 2) * (counts[two] + 2)
         thick = np.zeros((counts[axis] + 2) * size, np.float32)
-        measure(cells, counts, ways, d, axis, one, two, thick)
+        measure(cells, counts, directions, d, axis, one, two, thick)
         for side in range(2):
             planes = Planes(np.ones(size, np.float32), np.ones(size, np.float32), thick)
-            sweep_direction(counts, sides, ways, d + side * half, axis, one, two, planes, left)
+            sweep_direction(counts, sides, directions, d + side * half, axis, one, two, planes, left)
 
 
 @device
-def measure(cells, counts, ways, d, axis, one, two, thick):
+def measure(cells, counts, directions, d, axis, one, two, thick):
     """Write the extinction along direction d to `Planes.thick`."""
     down, along, beside = stride_of(counts, axis), stride_of(counts, one), stride_of(counts, two)
-    x, y, z = ways[d, 0], ways[d, 1], ways[d, 2]
+    x, y, z = directions[d, 0], directions[d, 1], directions[d, 2]
     row = np.uint64(counts[two] + 2)  # as places in planes, which cannot be negative: these loops are vectors
     size = np.uint64(counts[one] + 2) * row
     for m in range(counts[axis]):
@@ -91,22 +91,22 @@ def stride_of(counts, axis):
 
 
 @device
-def sweep_direction(counts, sides, ways, d, axis, one, two, planes, left):
+def sweep_direction(counts, sides, directions, d, axis, one, two, planes, left):
     """Run `sweep` for direction d, slab by slab along `axis`, on which it crosses most cells; one, two: other axes."""
     before, after, thick = planes.before, planes.after, planes.thick
     down, along, beside = stride_of(counts, axis), stride_of(counts, one), stride_of(counts, two)
-    steep = abs(ways[d, axis])
+    steep = abs(directions[d, axis])
     half = HALF * sides[axis] / steep
     ratio = sides[axis] / steep
-    f = ways[d, one] / sides[one] * ratio
-    g = ways[d, two] / sides[two] * ratio
+    f = directions[d, one] / sides[one] * ratio
+    g = directions[d, two] / sides[two] * ratio
     low_f = np.int64(min(np.floor(f), ZERO))
     low_g = np.int64(min(np.floor(g), ZERO))
     f -= np.float32(low_f)
     g -= np.float32(low_g)
     row = np.uint64(counts[two] + 2)
     size = np.uint64(counts[one] + 2) * row
-    back = ways[d, axis] > ZERO
+    back = directions[d, axis] > ZERO
     for m in range(counts[axis]):
         slab = (counts[axis] - 1 - m if back else m) * down
         here = np.uint64(counts[axis] - m if back else m + 1) * size
@@ -133,7 +133,7 @@ def mixed(plane, at, row, f, g):
 
 
 @parallel
-def combine(cells, counts, sides, box, ways, left, solids, volume):
+def combine(cells, counts, sides, box, directions, left, solids, volume):
     """Write the linear fit V(ω) = v₀ + v · ω of each cell's visibility past strands and solids to volume (V, 4): v₀ is
     the mean over directions, v three times the mean of visibility times direction.
 
@@ -148,21 +148,21 @@ def combine(cells, counts, sides, box, ways, left, solids, volume):
                 np.zeros(batch.ROWS * W, np.float32), np.empty(W, np.int64),
                 left.reshape(-1), np.empty((size, 4), np.float32),
             )  # fmt: skip
-            hide(cells, counts, sides, box, ways, listed, solids, i)
+            hide(cells, counts, sides, box, directions, listed, solids, i)
         work = np.empty(4 * W, np.float32)
         for low in range(0, size, W):
-            fit(ways, left, i * size + low, min(size - low, W), work, volume)
+            fit(directions, left, i * size + low, min(size - low, W), work, volume)
 
 
 @device
-def fit(ways, left, first, n, work, volume):
+def fit(directions, left, first, n, work, volume):
     """Run `combine` for n cells; work: 4 W numbers."""
-    per = ONE / (LEVELS * np.float32(ways.shape[0]))
+    per = ONE / (LEVELS * np.float32(directions.shape[0]))
     first, n = np.uint64(first), np.uint64(n)
     mean, slope_x, slope_y, slope_z = work[:W], work[W : 2 * W], work[2 * W : 3 * W], work[3 * W :]
     work[:] = ZERO
-    for d in range(ways.shape[0]):
-        x, y, z = ways[d, 0], ways[d, 1], ways[d, 2]
+    for d in range(directions.shape[0]):
+        x, y, z = directions[d, 0], directions[d, 1], directions[d, 2]
         for q in range(n):
             light = np.float32(left[d, first + q])
             mean[q] += light

@@ -101,13 +101,13 @@ def load_vertex(vertices, s, v, begin, end, per, work, k):
     """Store position and tangent, not normalised, of vertex v of strand s, which has begin … end − 1, as item k of a
     batch, and in the first two rows of `COLOUR` how far along its strand it is, 0 to 1, and the strand's tone; per: 1
     over the strand's pieces. No place is negative."""
-    world, ways, along = vertices.world, vertices.ways, vertices.along
+    world, tangents, along = vertices.world, vertices.tangents, vertices.along
     low = v - NEXT if v > begin else v
     high = v + NEXT if v + NEXT < end else v
     for c in range(np.uint64(3)):
         at = c * np.uint64(W) + k
         work[np.uint64(row.X) + at] = world[v, c]
-        work[np.uint64(row.TX) + at] = world[high, c] - world[low, c] if ways.shape[0] == 0 else ways[v, c]
+        work[np.uint64(row.TX) + at] = world[high, c] - world[low, c] if tangents.shape[0] == 0 else tangents[v, c]
     work[np.uint64(row.COLOUR) + k] = np.float32(np.int64(v - begin)) * per if along.shape[0] == 0 else along[v]
     work[np.uint64(row.COLOUR + W) + k] = vertices.tones[s]
 

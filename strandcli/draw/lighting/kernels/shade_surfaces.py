@@ -46,7 +46,7 @@ def surfaces(screen, surround, strands, lights, shadows, solids, coating, image)
         end = find_pixels(screen, first, min(first + PIXELS, last), width, found)
         work = np.empty(ROWS * W, np.float32)
         which = np.empty(W, np.int64)
-        way = mirror.Rays(
+        reflected = mirror.Rays(
             work, np.empty(mirror.room(coating.mirrors, mirror.RAYS * W), np.float32), np.empty(W, np.int64),
             np.empty(W, np.int64), np.empty(mirror.room(coating.mirrors, ROWS * W), np.float32),
         )  # fmt: skip
@@ -57,7 +57,7 @@ def surfaces(screen, surround, strands, lights, shadows, solids, coating, image)
                 continue
             look(work, n, screen.camera)
             batch(work, n, solid, surround, strands, lights, shadows, solids, coating)
-            mirror_solids(n, solid, surround, strands, lights, shadows, solids, coating, way, coating.mirrors)
+            mirror_solids(n, solid, surround, strands, lights, shadows, solids, coating, reflected, coating.mirrors)
             if fine:
                 n = average(work, n, which)
             composite(work, n, which, screen, width, picture)
@@ -109,29 +109,29 @@ def colour(work, n, which, solids, coating):
 
 
 @device
-def mirror_solids(n, which, surround, strands, lights, shadows, solids, coating, way, mirrors):
-    """Add to the radiance of a batch the solids and strands that its coat mirrors; way: `mirror.Rays`; mirrors: None
-    compiles nothing."""
+def mirror_solids(n, which, surround, strands, lights, shadows, solids, coating, reflected, mirrors):
+    """Add to the radiance of a batch the solids and strands that its coat mirrors; reflected: `mirror.Rays`; mirrors:
+    None compiles nothing."""
     if mirrors is None:  # an argument, not a field: Numba then compiles nothing of the rest
         return
-    coats, seen, ways = coating.coats, way.seen, way.ways
+    coats, seen, rows = coating.coats, reflected.seen, reflected.rows
     if mirror.strength(coats, which) == ZERO:
         return
-    mirror.follow(way, n, solids, which)
+    mirror.follow(reflected, n, solids, which)
     bare = Coating(coating.paint, coating.bare, coating.bare, mirrors)
     for hit in range(mirror.FREE, mirror.number_of(solids)):
-        m = mirror.gather(way, n, hit)
+        m = mirror.gather(reflected, n, hit)
         if m > 0 and hit >= 0:
             batch(seen, m, hit, surround, strands, lights, shadows, solids, bare)
         for k in range(m):
-            p = way.points[k]
+            p = reflected.points[k]
             light = ZERO, ZERO, ZERO
             there = ZERO
             if hit >= 0:
                 light = vector_at(seen, RADIANCE, k)
                 there = seen[THERE + k]
-            sky = surroundings(surround, vector_at(ways, mirror.WAY, p))
-            mirror.add(way, p, light, there, sky, surround, strands, lights.rows, coats, which)
+            sky = surroundings(surround, vector_at(rows, mirror.DIRECTION, p))
+            mirror.add(reflected, p, light, there, sky, surround, strands, lights.rows, coats, which)
 
 
 SHADED = np.uint8(0)

@@ -19,7 +19,7 @@ APART = np.float32(4.0)
 LONGEST = np.float32(4.0)
 """Sides of a map that a segment may be long: a light may be so near that one is longer."""
 WIDE = 3
-"""Column of `PartsInMap.kept`."""
+"""Column of `PartsInMap.vertices`."""
 LANES = 16
 """Lanes of a vector, at most."""
 # Rows of a vector of places: the number of a cell, and the depth there twice, metres.
@@ -32,13 +32,13 @@ NEXT = np.uint64(1)
 
 
 @device
-def widen(work, kept, begin, count, longest, window, extents):
-    """Widen the extents of cells by the vertices of a part, so many from number `begin` of `PartsInMap.kept` on.
+def widen(work, vertices, begin, count, longest, window, extents):
+    """Widen the extents of cells by the vertices of a part, so many from number `begin` of `PartsInMap.vertices` on.
 
     longest: none of its segments is longer along an axis, texels."""
-    points, heads = pointer(kept), pointer(extents)
+    points, heads = pointer(vertices), pointer(extents)
     lane = load(pointer(STEPS), 0)
-    count -= np.int64(kept[begin + count - 1, WIDE] < ZERO)  # the last vertex, if no segment ends there
+    count -= np.int64(vertices[begin + count - 1, WIDE] < ZERO)  # the last vertex, if no segment ends there
     for k in range(0, count, lane_count(points)):
         x, y, d, _ = load_quadruples(points, 4 * (begin + k))
         widen_at(work, heads, extents, lane < np.float32(count - k), x, y, d, window)

@@ -49,8 +49,8 @@ def weights() -> NDArray[np.float32]:
     share = whole * np.exp(-(np.arange(LAST + 1) / STEPS))
     most = share * (1 + FADES / 2)
     beyond = np.maximum(most - 1, 0)
-    kept = share - beyond**2 / (2 * FADES * share)
-    return np.stack([most, 1 / (FADES * share * kept), 1 / kept], 1).astype(np.float32)
+    remaining = share - beyond**2 / (2 * FADES * share)
+    return np.stack([most, 1 / (FADES * share * remaining), 1 / remaining], 1).astype(np.float32)
 
 
 WEIGHTS = weights()

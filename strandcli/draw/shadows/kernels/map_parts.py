@@ -4,7 +4,7 @@ Both passes over an opacity map draw the same segments, which `part_vertices` fi
 
 Parts near each other on the map follow each other, along a Z-curve. They add to the same cells, which then are in the
 processor's cache. Sums are rounded otherwise in another order, so it is that of places on the map alone. Each thread
-draws a band of rows, with about as much work as the others have.
+draws a band of rows, with about as much work as the rest have.
 """
 
 from __future__ import annotations
@@ -31,10 +31,10 @@ GROUP = 4
 BITS = 8
 """Of a place, of each coordinate: 256 × 256 tiles, of two to eight texels."""
 AT, COUNT, TOP, BOTTOM = range(4)
-"""Columns of a part: its first row in `PartsInMap.kept`, the number of its vertices, and the first and the last row of
-texels that it comes to."""
+"""Columns of a part: its first row in `PartsInMap.vertices`, the number of its vertices, and the first and the last row
+of texels that it comes to."""
 X, Y, DEPTH, WIDE = range(4)
-"""Columns of `PartsInMap.kept`."""
+"""Columns of `PartsInMap.vertices`."""
 
 
 class StrandsInMap(NamedTuple):
@@ -68,7 +68,7 @@ class MapView(NamedTuple):
 class PartsInMap(NamedTuple):
     """What is drawn into one map."""
 
-    kept: NDArray[np.float32]
+    vertices: NDArray[np.float32]
     """(K, 4) vertices, part by part: x and y, texels; depth, metres; and the mean width, texels, of the segment that
     ends there, less than 0 if none does."""
     order: NDArray[np.int32]

@@ -137,7 +137,7 @@ class Cells(NamedTuple):
 @inlined
 def cells_at(rows, start, half, up, left, point, layers):
     """Return the `Cells` in rows `up` and columns `left`; point: depth, metres, 1 / h, 1/m, and half the depth over
-    which growth is measured, metres; others as in `in_front`."""
+    which growth is measured, metres; the rest as in `in_front`."""
     d, over, reach = point
     body = start + HEAD * half * half
     head = gather8(rows, start, up, HEAD * half, np.float32(HEAD) * left)

@@ -34,7 +34,7 @@ def measure(parts, size, extents):
                 fetch(parts, ahead)
             if overlaps(parts.order, k, window):
                 begin, count = np.int64(parts.order[k, AT]), np.int64(parts.order[k, COUNT])
-                cell_extents.widen(work, parts.kept, begin, count, INF, window, extents)
+                cell_extents.widen(work, parts.vertices, begin, count, INF, window, extents)
 
 
 @parallel
@@ -44,14 +44,14 @@ def draw(parts, size, view, opacity_map):
     for task in prange(parts.borders.shape[0] - 1):
         work = np.empty(splats.ROOM, np.float32)
         window = Window(parts.borders[task], parts.borders[task + 1], size)
-        n = held = np.int64(0)
+        n = filled = np.int64(0)
         for k in range(parts.order.shape[0]):
             ahead = min(k + AHEAD, parts.order.shape[0] - 1)
             if overlaps(parts.order, ahead, window):
                 fetch(parts, ahead)
             if overlaps(parts.order, k, window):
-                n, held = draw_part(work, n, held, parts, k, window, view, opacity_map)
-        n = draw_segments(work, n, max(held - 1, 0), window, view, opacity_map)
+                n, filled = draw_part(work, n, filled, parts, k, window, view, opacity_map)
+        n = draw_segments(work, n, max(filled - 1, 0), window, view, opacity_map)
         splats.add(work, n, window, opacity_map)
 
 
@@ -64,7 +64,7 @@ def overlaps(order, k, window):
 @inlined
 def fetch(parts, k):
     """Have the processor fetch the vertices of a part that is drawn soon: they are anywhere in memory."""
-    rows = pointer(parts.kept)
+    rows = pointer(parts.vertices)
     begin = 4 * np.int64(parts.order[k, AT])
     end = begin + 4 * np.int64(parts.order[k, COUNT])
     for at in range(begin, end, LINE):
@@ -73,26 +73,26 @@ def fetch(parts, k):
 
 
 @inlined
-def draw_part(work, n, held, parts, k, window, view, opacity_map):
+def draw_part(work, n, filled, parts, k, window, view, opacity_map):
     """Bring the vertices of part k into a run, and draw its segments once it has many. Return how many pieces the batch
-    and how many vertices the run holds then, which held n and `held`; work: rows of `splats`."""
+    and how many vertices the run holds then, of n and `filled` before; work: rows of `splats`."""
     begin, count = np.int64(parts.order[k, AT]), np.int64(parts.order[k, COUNT])
     rows = pointer(work)
     for past in range(0, count, splats.RUN):
-        held = splats.append(work, held, parts.kept, begin + past, min(count - past, splats.RUN))
-        if held > splats.RUN:
-            whole = (held - 1) // splats.SEGMENTS * splats.SEGMENTS
+        filled = splats.append(work, filled, parts.vertices, begin + past, min(count - past, splats.RUN))
+        if filled > splats.RUN:
+            whole = (filled - 1) // splats.SEGMENTS * splats.SEGMENTS
             n = draw_segments(work, n, whole, window, view, opacity_map)
-            held -= whole  # and the rest comes to the beginning of the run
-            for at in range(0, 4 * held, lane_count(rows)):
+            filled -= whole  # and the rest comes to the beginning of the run
+            for at in range(0, 4 * filled, lane_count(rows)):
                 store(rows, splats.VERTICES + at, load(rows, splats.VERTICES + 4 * whole + at))
-    return n, held
+    return n, filled
 
 
 @inlined
 def draw_segments(work, n, count, window, view, opacity_map):
     """Draw what lies within the window of the first segments of a run, so many; return how many pieces the batch holds
-    then, which held n."""
+    then, of n before."""
     for first in range(0, count, splats.SEGMENTS):
         segments = splats.find_segments(work, first, count, window, view)
         s = past = np.int64(0)

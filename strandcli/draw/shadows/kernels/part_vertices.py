@@ -1,7 +1,7 @@
 """Vertices of parts of strands that an opacity map can tell apart (see `map_parts`).
 
 Vertices less than `SHORT` behind the last are left out, but for the part's end; the segment over them covers as much as
-theirs do, in its own place. So are most segments deep in shadow, of which the others cover more (`deep_strands`).
+theirs do, in its own place. So are most segments deep in shadow, of which the rest cover more (`deep_strands`).
 """
 
 from __future__ import annotations
@@ -22,11 +22,11 @@ STRANDS = 64
 
 
 @parallel
-def thin(strands, sketch, view, size, kept, found, places, costs, extents):
+def thin(strands, sketch, view, size, vertices, found, places, costs, extents):
     """Find the vertices and places of all parts, and widen the extents of a map's cells by them.
 
     strands: `StrandsInMap`; sketch: `Sketch`, by which most strands deep in shadow are left out; view: `MapView`; size:
-    texels along a side; kept: of `PartsInMap`, with room for all vertices and those that two parts share; found
+    texels along a side; vertices: of `PartsInMap`, with room for all vertices and those that two parts share; found
     (R, 4) int32 out: the parts strand by strand, of which one that is not there has no vertices; places (R,) uint16
     out: on the Z-curve; costs (R,) out: of drawing, or without rows, where there is one band; R: S and `shared_before`
     all S strands; extents (cells, 2): as in `cell_extents`, no rows: none are widened. With extents, this runs on a
@@ -44,13 +44,15 @@ def thin(strands, sketch, view, size, kept, found, places, costs, extents):
             for number in range(s + 1 + map_parts.shared_before(strands.first, s + 1) - row):
                 part = row + number
                 found[part, map_parts.AT], found[part, map_parts.COUNT] = at, 0
-                length = thin_part(strands, s, number, part, sketch, view, size, (kept, found, costs), strands.along)
+                length = thin_part(
+                    strands, s, number, part, sketch, view, size, (vertices, found, costs), strands.along
+                )
                 if found[part, map_parts.COUNT] > 0:
                     at += found[part, map_parts.COUNT]
                     longest = max(longest, length)
                     places[part] = map_parts.place_of(strands, s, number, size)
         if extents.shape[0] > 0 and at > low:  # of all parts at once: vectors wait for what was just written
-            cell_extents.widen(work, kept, low, at - low, longest, window, extents)
+            cell_extents.widen(work, vertices, low, at - low, longest, window, extents)
 
 
 @device
@@ -70,8 +72,8 @@ def thin_part(strands, s, number, part, sketch, view, size, out, along):
     """Write the vertices of a part of strand s, from its `AT` on, without those less than `SHORT` behind the last, what
     is found of it, and its cost. Return the length of its longest segment along an axis, texels.
 
-    number: in its strand, part: among all; out: `kept`, `found` and `costs` of `thin`; along: of the strands."""
-    kept, found, costs = out
+    number: in its strand, part: among all; out: `vertices`, `found` and `costs` of `thin`; along: of the strands."""
+    vertices, found, costs = out
     width = map_parts.width_of(strands.width, strands.scale, s)
     screen, far, near, focal = strands.screen, view.far, view.near, view.focal
     a = strands.first[s]
@@ -86,8 +88,13 @@ def thin_part(strands, s, number, part, sketch, view, size, out, along):
     u = begin
     x0, y0, q0 = screen[u, 0], screen[u, 1], screen[u, 2]
     d0 = map_parts.depth_of(q0, near, far) if q0 > ZERO else ONE
-    kept[n, map_parts.X], kept[n, map_parts.Y], kept[n, map_parts.DEPTH], kept[n, map_parts.WIDE] = x0, y0, d0, -ONE
-    way = ZERO  # from the last vertex by way of those that are left out
+    vertices[n, map_parts.X], vertices[n, map_parts.Y], vertices[n, map_parts.DEPTH], vertices[n, map_parts.WIDE] = (
+        x0,
+        y0,
+        d0,
+        -ONE,
+    )
+    skipped = ZERO  # from the last vertex through those that are left out
     weight, ends = ONE, begin if sketch.chances.shape[0] > 0 else last  # of the group of segments up to `ends`
     for v in range(begin + 1, last + 1):
         if v > ends:
@@ -100,7 +107,7 @@ def thin_part(strands, s, number, part, sketch, view, size, out, along):
         there = q0 > ZERO and q1 > ZERO and weight > ZERO
         scale = focal if far > ZERO else focal * HALF * (q0 + q1)
         if v < ends and there and max(max(abs(x1 - x0), abs(y1 - y0)), abs(d1 - d0) * scale) < map_parts.SHORT:
-            way += distance(screen, v - 1, v)
+            skipped += distance(screen, v - 1, v)
             continue
         w = -ONE
         if there:
@@ -112,17 +119,22 @@ def thin_part(strands, s, number, part, sketch, view, size, out, along):
             if not far > ZERO:
                 wider = perspective_widening(x0 - middle, y0 - middle, x1 - x0, y1 - y0, focal)
             w *= weight * scale * wider
-            if way > ZERO:
-                w *= (way + distance(screen, v - 1, v)) / max(distance(screen, u, v), map_parts.TINY)
+            if skipped > ZERO:
+                w *= (skipped + distance(screen, v - 1, v)) / max(distance(screen, u, v), map_parts.TINY)
             low, high = min(low, min(y0, y1)), max(high, max(y0, y1))
             length = max(abs(x1 - x0), abs(y1 - y0))
             longest = max(longest, length)
             cost += ONE + HALF * min(length, np.float32(size))
-        if there or kept[n, map_parts.WIDE] >= ZERO:
+        if there or vertices[n, map_parts.WIDE] >= ZERO:
             n += 1
-        kept[n, map_parts.X], kept[n, map_parts.Y], kept[n, map_parts.DEPTH], kept[n, map_parts.WIDE] = x1, y1, d1, w
-        u, x0, y0, q0, d0, way = v, x1, y1, q1, d1, ZERO
-    last_ends = np.int32(kept[n, map_parts.WIDE] >= ZERO)  # at the last vertex a segment may not end
+        (
+            vertices[n, map_parts.X],
+            vertices[n, map_parts.Y],
+            vertices[n, map_parts.DEPTH],
+            vertices[n, map_parts.WIDE],
+        ) = x1, y1, d1, w
+        u, x0, y0, q0, d0, skipped = v, x1, y1, q1, d1, ZERO
+    last_ends = np.int32(vertices[n, map_parts.WIDE] >= ZERO)  # at the last vertex a segment may not end
     note_rows(low, high, cost, n - at + last_ends, size, found, part, costs)
     return longest
 

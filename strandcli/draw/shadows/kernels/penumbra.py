@@ -90,7 +90,7 @@ def aside(r, cx, cy, cz, lx, ly, lz, radius):
 @device
 def capsule(r, middle, axis, ray, radius):
     """Return the sine of the angle from the light's centre to the edge of a capsule, a box without width of which all
-    within r metres is solid; middle: metres; axis: from end to end, metres; others as in `box`."""
+    within r metres is solid; middle: metres; axis: from end to end, metres; the rest as in `box`."""
     half = HALF * math.sqrt(axis[0] * axis[0] + axis[1] * axis[1] + axis[2] * axis[2])
     per = HALF / max(half, TINY)
     wx, wy, wz = axis[0] * per, axis[1] * per, axis[2] * per

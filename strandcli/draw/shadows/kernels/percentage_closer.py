@@ -113,17 +113,17 @@ def locate(work, n, lights, i, views, one, size):
         wanted = DISC * (blur * away) * (blur * away) - TEXEL
         radius = min(math.sqrt(max(wanted, LEAST * LEAST)), WIDEST)
         room = wide * radius
-        held = (d >= near) & (u >= -room) & (v >= -room) & (u < edge + room) & (v < edge + room)
-        held = held & (work[INSIDE + k] == ZERO) & (work[ARRIVES + k] > ZERO)
+        within = (d >= near) & (u >= -room) & (v >= -room) & (u < edge + room) & (v < edge + room)
+        within = within & (work[INSIDE + k] == ZERO) & (work[ARRIVES + k] > ZERO)
         scale = ONE / fine if flat else ONE / fine * far
-        work[U + k] = u if held else ZERO
-        work[V + k] = v if held else ZERO
+        work[U + k] = u if within else ZERO
+        work[V + k] = v if within else ZERO
         work[DEPTH + k] = d - lights[i, BIAS]
         work[AWAY + k] = away
         work[BLUR + k] = blur
         work[CLOUD + k] = WIDE * np.float32(size) * scale
         work[RADIUS + k] = radius
-        work[INSIDE + k] = ONE if held else work[INSIDE + k]
+        work[INSIDE + k] = ONE if within else work[INSIDE + k]
 
 
 @device

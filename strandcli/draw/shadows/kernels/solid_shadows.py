@@ -173,7 +173,7 @@ class Rays(NamedTuple):
     """Rows of rays: numbers of the first of three or of the only one."""
 
     point: np.int64
-    way: np.int64
+    direction: np.int64
     """Unit vector to the light's centre."""
     reach: np.int64
     """Distance to it, metres."""
@@ -237,20 +237,20 @@ def go(work, n, at, solids, m, lift_and_skin, most):
             t, least = custom.walk_alone(solids, m, some, most)
             keep(rows, k, at, t, least, some)
             break
-        others = begun(rows, k + lanes, at, solids, m, lift_and_skin)
-        s, s_least, t, t_least = custom.walk(solids, m, some, others, most)
+        second = begun(rows, k + lanes, at, solids, m, lift_and_skin)
+        s, s_least, t, t_least = custom.walk(solids, m, some, second, most)
         keep(rows, k, at, s, s_least, some)
-        keep(rows, k + lanes, at, t, t_least, others)
+        keep(rows, k + lanes, at, t, t_least, second)
 
 
 @inlined
 def begun(rows, k, at, solids, m, lift_and_skin):
     """Return what `custom.walk` takes of a vector of rays."""
     lift, skin = lift_and_skin
-    lx, ly, lz = way = load3(rows, at.way + k, W)
+    lx, ly, lz = direction = load3(rows, at.direction + k, W)
     x, y, z = load3(rows, at.point + k, W)
     light = load(rows, at.reach + k), load(rows, at.radius + k), skin
-    along, t, end = custom.begin_walk(solids, m, (x + lx * lift, y + ly * lift, z + lz * lift), way, light)
+    along, t, end = custom.begin_walk(solids, m, (x + lx * lift, y + ly * lift, z + lz * lift), direction, light)
     return along, max(t, load(rows, at.place + k)), end, load(rows, at.least + k), light
 
 

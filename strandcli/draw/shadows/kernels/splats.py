@@ -46,23 +46,23 @@ RUN = 64
 BATCH = 256
 """Pieces of a batch: whole vectors."""
 
-# Rows of numbers. First what is kept of segments: least and greatest place along the longer axis, texels, and that of
+# Rows of numbers. First what is stored of segments: least and greatest place along the longer axis, texels, and that of
 # the first vertex; there, place along the other axis, texels, and depth, metres; how much these change a texel; area a
 # texel, texels; number of the first piece, how many there are, and how long each is, texels; 1 where it is steep.
 LOW, HIGH, NEAR, ACROSS, DEPTH, STEP, RISE, AREA, BEGIN, PIECES, LENGTH, STEEP = (k * SEGMENTS for k in range(12))
 VERTICES = 12 * SEGMENTS
-"""The vertices of a run, as in `PartsInMap.kept`."""
+"""The vertices of a run, as in `PartsInMap.vertices`."""
 OUT = VERTICES + 4 * (2 * RUN + SEGMENTS)
 """Where the rows of a batch begin."""
 
 
 @device
-def append(work, held, kept, begin, count):
+def append(work, filled, vertices, begin, count):
     """Bring up to `RUN` vertices from number `begin` on into a run that holds some; return how many it holds then."""
-    rows, points = pointer(work), pointer(kept)
+    rows, points = pointer(work), pointer(vertices)
     for at in range(0, 4 * count, lane_count(rows)):
-        store(rows, VERTICES + 4 * held + at, load(points, 4 * begin + at))
-    return held + count
+        store(rows, VERTICES + 4 * filled + at, load(points, 4 * begin + at))
+    return filled + count
 
 
 @device
@@ -122,7 +122,7 @@ PAIR = 2
 U, V, DEEP, SIZE = (OUT + row * BATCH for row in range(4))
 ADDED, AT = (OUT + row * BATCH for row in (4, 6))
 ROOM = OUT + 8 * BATCH
-"""Numbers of a batch with what is kept of segments."""
+"""Numbers of a batch with what is stored of segments."""
 
 
 class OpacityMap(NamedTuple):

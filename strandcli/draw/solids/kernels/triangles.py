@@ -1,7 +1,7 @@
 """Z-buffer of solids that consist of triangles: only pixels that a triangle may cover are asked for their ray.
 
 The rays, their starts and the test of a ray and a triangle are those of `rays.meet`, so that the keys have the same
-bits as if every pixel had asked for the nearest of all triangles. Which pixels are asked is told by the edges of
+bits as if every pixel had asked for the nearest of all triangles. Which pixels are asked follows from the edges of
 triangles as linear functions on the screen, in homogeneous coordinates, which triangles about the eye need not be
 clipped for (Olano & Greer 1997, "Triangle Scan Conversion using 2D Homogeneous Coordinates").
 """
@@ -77,7 +77,7 @@ class Picture(NamedTuple):
     keys: NDArray[np.uint64]
     """(height, width) z-buffer."""
     shown: NDArray[np.int32]
-    """(height, width) the triangle that is in front, where one is; no rows: nobody asks."""
+    """(height, width) the triangle that is in front, where one is; no rows: not asked for."""
 
 
 @parallel
@@ -112,15 +112,15 @@ def bound_one(corners, i, rays, view, frame, spans):
         room = view[FOCAL] * rays.off
         if view[PERSPECTIVE] > ZERO:
             room = view[FOCAL] * rays.longest * (rays.off / least_z + ROUNDING)
-        spans.box[i, LEFT] = math.ceil(held(least_x - room, frame[LEFT], frame[RIGHT]))
-        spans.box[i, TOP] = math.ceil(held(least_y - room, frame[TOP], frame[BOTTOM]))
-        spans.box[i, RIGHT] = math.floor(held(most_x + room, frame[LEFT] - 1, frame[RIGHT] - 1)) + 1
-        spans.box[i, BOTTOM] = math.floor(held(most_y + room, frame[TOP] - 1, frame[BOTTOM] - 1)) + 1
+        spans.box[i, LEFT] = math.ceil(clamped(least_x - room, frame[LEFT], frame[RIGHT]))
+        spans.box[i, TOP] = math.ceil(clamped(least_y - room, frame[TOP], frame[BOTTOM]))
+        spans.box[i, RIGHT] = math.floor(clamped(most_x + room, frame[LEFT] - 1, frame[RIGHT] - 1)) + 1
+        spans.box[i, BOTTOM] = math.floor(clamped(most_y + room, frame[TOP] - 1, frame[BOTTOM] - 1)) + 1
 
 
 @device
-def held(value, low, high):
-    """A number between two others, or the nearer one of them."""
+def clamped(value, low, high):
+    """A number between two bounds, or the nearer one of them."""
     return min(max(value, np.float64(low)), np.float64(high))
 
 
