@@ -33,7 +33,7 @@ SAMPLED_ROOTS = 1000
 GRAZED = 0.02
 """Least share of the roots in a moving solid that is reported; below, the solid only grazes the emitter."""
 MOST_FRAMES = 1000
-"""Frames that are looked at, the last and others, evenly spaced; all of films that have no more."""
+"""Frames that are looked at, the last and more, evenly spaced; all of films that have no more."""
 ROUNDED = 1e-12
 """Relative error of a stiffness that is no more than rounding."""
 RETURNED = 1e-6
@@ -59,18 +59,17 @@ def warnings(scene: Scene, groom: Groom) -> list[str]:
     if scene.solver == "rod" and scene.time.jitter > 0:
         found.append("time.jitter: ignored, rods move by equal steps; take it out, or set solver: thesis")
     found += _idle_rod(scene)
-    collisions = [use for use in scene.rules if use.name == "collision"]
-    whole = any(use.parameters.segments for use in collisions)
+    whole = any(use.name == "collision" and use.parameters.segments for use in scene.rules)
     segment = groom.lengths.astype(np.float64) / max(scene.emitter.particles - 1, 1)
-    away = float(np.abs(_roots(scene, groom.roots, 1)).max())
+    away = float(np.abs(_roots(scene, groom.roots, 0.0)).max())
     step = float(np.spacing(np.float32(away)))
     if step > COARSE * segment.max():
         found.append(
             f"strands are {away:.3g} m from the origin, where places are rounded to {step:.2g} m, "
             f"{100 * step / segment.max():.2g} % of a segment: they become ragged; move the scene to the origin"
         )
-    found += _meshes(scene, groom)
     met = {id(solid) for solid in touched(scene)}
+    found += _meshes(scene, groom, met)
     for name, solid in _named(scene):
         if id(solid) not in met:
             continue
@@ -96,14 +95,13 @@ def _idle_rod(scene: Scene) -> list[str]:
     return [f"{names}: ignored by solver {scene.solver}; set solver: rod to have {'them' if keys[1:] else 'it'} act"]
 
 
-def _meshes(scene: Scene, groom: Groom) -> list[str]:
-    """What is to be said of solids that are meshes."""
+def _meshes(scene: Scene, groom: Groom, met: set[int]) -> list[str]:
+    """Return warnings about solids that are meshes; met: ids of solids that a rule touches."""
     if not any(solid.kind == "mesh" for solid in scene.solids):
         return []
     from ..mesh_file.needs import warnings as of_mesh
 
     extent = float(np.ptp(groom.roots.astype(np.float64), axis=0).max() + groom.lengths.max())
-    met = {id(solid) for solid in touched(scene)}
     return [
         line
         for name, solid in _named(scene)
@@ -182,13 +180,13 @@ def softness(scene: Scene, groom: Groom) -> list[str]:
     turn = np.array(emitter_pose(scene.emitter, 0.0).rotation)
     pull = turn.T @ gravity(scene) / lengths[:, None]
     twist = torsion(scene.rod, coiled(edges))
-    held = hold(groom.directions.astype(np.float64), np.stack(edges), mass, joint, own, twist, pull)
-    stiffer = held.stiffness > own * (1 + ROUNDED)
+    rest = hold(groom.directions.astype(np.float64), np.stack(edges), mass, joint, own, twist, pull)
+    stiffer = rest.stiffness > own * (1 + ROUNDED)
     if not stiffer.any():
         return []
     return [
         f"rod.rest: sag_free: {int(stiffer.sum()):,} of {groom.strands:,} strands are too soft to stay as they "
-        f"are emitted, and are made up to {(held.stiffness / own).max():.3g} times as stiff; a greater "
+        f"are emitted, and are made up to {(rest.stiffness / own).max():.3g} times as stiff; a greater "
         "rod.radius or rod.young, or a shape that hangs, leaves the material as it is"
     ]
 
@@ -201,7 +199,8 @@ def _swallowed(solid: Any, scene: Scene, groom: Groom, segment: Floats) -> str |
         frames += sorted(range(scene.time.frames, 1, -max(1, -(-scene.time.frames // MOST_FRAMES))))
 
     def under(frame: int, some: slice) -> Floats:
-        return depth(_roots(scene, groom.roots[some], frame), solid, scene.emitter, _time(scene, frame))
+        time = (frame - 1) / scene.time.fps
+        return depth(_roots(scene, groom.roots[some], time), solid, scene.emitter, time)
 
     first = None
     for frame in frames:
@@ -221,33 +220,24 @@ def _swallowed(solid: Any, scene: Scene, groom: Groom, segment: Floats) -> str |
     )
 
 
-def _time(scene: Scene, frame: int) -> float:
-    return (frame - 1) / scene.time.fps
-
-
 def _carried(scene: Scene) -> bool:
     """Return whether roots move with the emitter."""
     return any(use.name == "emitter_motion" for use in scene.rules)
 
 
-def _roots(scene: Scene, roots: NDArray[np.floating], frame: int) -> Floats:
-    """Return points (k, 3) of the emitter's frame in world space at a frame."""
-    turn, moved = (np.array(part) for part in emitter_pose(scene.emitter, _time(scene, frame) * _carried(scene)))
+def _roots(scene: Scene, roots: NDArray[np.floating], time: float) -> Floats:
+    """Return points (k, 3) of the emitter's frame in world space at a time."""
+    turn, moved = (np.array(part) for part in emitter_pose(scene.emitter, time * _carried(scene)))
     return np.asarray(roots.astype(np.float64) @ turn.T + moved)
 
 
 def depth(points: Floats, solid: Any, emitter: Emitter, time: float = 0.0) -> Floats:
     """Return (k,) the depth of points (k, 3) below a solid's surface at a time; outside it is at most 0 and not less
     than the negative distance."""
-    if solid.kind not in solids.SHAPES:
-        row = custom.pack([solid], [solid_pose(solid, emitter, time)], np.float64)[0]
-        return _depth_in_custom(solid, row, points, time)
-    row = solids.pack(solid.kind, [solid], emitter, time, np.float64)[0]
-    return np.asarray(solids.SHAPES[solid.kind].depth(row, points))
-
-
-def _depth_in_custom(solid: Any, row: Floats, points: Floats, time: float) -> Floats:
-    """Return (k,) the depth of points (k, 3) below the surface of a packed custom solid; not positive outside."""
+    if solid.kind in solids.SHAPES:
+        row = solids.pack(solid.kind, [solid], emitter, time, np.float64)[0]
+        return np.asarray(solids.SHAPES[solid.kind].depth(row, points))
+    row = custom.pack([solid], [solid_pose(solid, emitter, time)], np.float64)[0]
     shape: Any = shape_of(solid.kind)
     own = (points - row[:3]) @ row[custom.ROW_X : custom.REACH].reshape(3, 3)
     outside = np.linalg.norm(own, axis=1) - row[custom.REACH]

@@ -41,9 +41,9 @@ def examine(solver: Any, frame: int, error: dict[str, Any], simulated: bool = Tr
     given and not ``simulated``, no rules are named as the cause."""
     scene = solver.scene
     most = STRETCH_MOST[scene.solver]
-    held = scene.solver != "thesis" or any(use.name == "elasticity" for use in scene.rules)
+    inextensible = scene.solver != "thesis" or any(use.name == "elasticity" for use in scene.rules)
     residual = error.get("residual_max")
-    stretch = stretches(solver) if held and not error["stretch_max"] <= most else np.zeros(1)
+    stretch = stretches(solver) if inextensible and not error["stretch_max"] <= most else np.zeros(1)
     known: tuple[str, str] | None = None
     if error["nonfinite"]:
         bad = ~np.isfinite(solver.particles()).all(-1)
@@ -64,8 +64,8 @@ def examine(solver: Any, frame: int, error: dict[str, Any], simulated: bool = Tr
         return None
     cause, remedy = known or (cause_of(solver) if simulated else GIVEN)
     count = int(wrong.sum()) - 1
-    others = f" (and {count} more strands)" if count > 0 else ""
-    return Trouble(f"{_where(scene, frame)}strand {strand}{what}{others}: {cause}; {remedy}", frame, strand, cause)
+    more = f" (and {count} more strands)" if count > 0 else ""
+    return Trouble(f"{_where(scene, frame)}strand {strand}{what}{more}: {cause}; {remedy}", frame, strand, cause)
 
 
 def _where(scene: Any, frame: int) -> str:

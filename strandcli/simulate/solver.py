@@ -67,7 +67,7 @@ class Solver(ABC):
         """Simulate a step of ``dt`` seconds that ends at ``time``; do nothing if ``dt`` is 0."""
 
     def announce(self, ends: Sequence[float], dt: float) -> None:  # noqa: B027  which most need not hear
-        """Be told that steps of ``dt`` seconds with these ends are likely to come next, unless the solver goes on from
+        """Prepare for steps of ``dt`` seconds with these ends, likely to come next, unless the solver goes on from
         another state: what follows from time alone can be computed for all of them together."""
 
     @abstractmethod

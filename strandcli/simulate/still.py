@@ -43,10 +43,6 @@ class StillSolver(Solver):
     def step(self, time: float, dt: float) -> None:
         """Do nothing: strands have no motion of their own."""
 
-    def place_roots(self, frame: int) -> None:
-        """Set the positions of all strands at a frame."""
-        self.advance(frame)
-
     def advance(self, frame: int) -> None:
         """Set the positions of all strands at a frame."""
         time = self.scene.time.pose_time((frame - 1) / self.scene.time.fps)
@@ -64,6 +60,8 @@ class StillSolver(Solver):
             moved = np.einsum("ij,rjk->rik", turn, block.reshape(-1, 3, W)) + shift[:, None]
             out.reshape(-1, 3, W)[...] = moved
         self._pose = pose
+
+    place_roots = advance
 
     def _show(self, time: float) -> None:
         """Set the strands to what the file has at a time."""

@@ -39,7 +39,7 @@ ALIKE = 0.7
 """Cosine between normals at the begin and the end of a step from which on they are on the same side."""
 
 AT_ONCE = 1 << 16
-"""Pairs of segments that are looked at at once: of most of them nothing is kept."""
+"""Pairs of segments that are looked at at once: of most of them nothing is stored."""
 ANEW = 0.02
 """Excess over the thickness from which on a contact is looked for anew, if it is more than twice that at its place."""
 SETTLED, GAIN = 3, 0.9
@@ -100,10 +100,10 @@ class StrandContact:
         before = {name: one.copy() for name, one in state._asdict().items()}
         start = self._particles(state)
         velocities = np.pad(self._forces.emitted(state.velocity), ((0, 0), (1, 0), (0, 0)))  # those of roots follow
-        held, forces, past = NOTHING, np.zeros((0, 3)), math.inf
+        contacts, forces, past = NOTHING, np.zeros((0, 3)), math.inf
         for iteration in range(self.iterations + 1):
             run()
-            wild = bool(len(forces)) and self._tame(run, (held, forces), before, solver)
+            wild = bool(len(forces)) and self._tame(run, (contacts, forces), before, solver)
             end = self._particles(state)
             found = self._look(start, end, dt)
             if found is None:
@@ -121,28 +121,28 @@ class StrandContact:
             past = excess
             if not wanted and (iteration >= ROUNDS or not len(forces)):
                 return True
-            held, forces = self._merged(held, forces, found, start, end)
-            changed = self._forces.solve(held, forces, solver)
+            contacts, forces = self._merged(contacts, forces, found, start, end)
+            changed = self._forces.solve(contacts, forces, solver)
             if not wanted and changed < 2 * tolerance:
                 return True
             for name, one in state._asdict().items():
                 one[...] = before[name]
-            self._load(held, forces, solver)
+            self._load(contacts, forces, solver)
         return True
 
-    def _load(self, held: Contacts, forces: Floats, solver: Any) -> None:
+    def _load(self, contacts: Contacts, forces: Floats, solver: Any) -> None:
         """Have the next round made with these forces."""
-        self._forces.load(held, forces, solver)
-        self._moves = self._forces.impacts(held, forces)
-        self._impacts.note(held, forces)
+        self._forces.load(contacts, forces, solver)
+        self._moves = self._forces.impacts(contacts, forces)
+        self._impacts.note(contacts, forces)
 
     def _tame(
-        self, run: Callable[[], None], held: tuple[Contacts, Floats], before: dict[str, NDArray[Any]], solver: Any
+        self, run: Callable[[], None], given: tuple[Contacts, Floats], before: dict[str, NDArray[Any]], solver: Any
     ) -> bool:
         """Where a round's forces are more than a strand's step can carry, which those of jammed contacts may become,
         take them from that strand, or from all if that is not enough, and make the step anew. Return whether that
         was so."""
-        contacts, forces = held
+        contacts, forces = given
         for some in (True, False):
             wild = ~(solver.strand_residuals() <= RESIDUAL_MOST)
             if not wild.any():
@@ -160,25 +160,25 @@ class StrandContact:
         return ((pairs[:, 0] * n + pairs[:, 1]) * count + pairs[:, 2]) * n + pairs[:, 3]
 
     def _merged(
-        self, held: Contacts, forces: Floats, found: Contacts, start: Floats, end: Floats
+        self, contacts: Contacts, forces: Floats, found: Contacts, start: Floats, end: Floats
     ) -> tuple[Contacts, Floats]:
         """Return the contacts of a round and their forces: those of the rounds before at the places where they were
         found, and those that are ``found`` now. Places that moved from round to round would let rounds not converge."""
-        past = held.excess()
-        held.update(start, end)
-        held.urge(past, TOLERANCE * self.thickness)
-        # the normal of others is that of the end, which is on the wrong side where they have passed each other
+        past = contacts.excess()
+        contacts.update(start, end)
+        contacts.urge(past, TOLERANCE * self.thickness)
+        # the normal of the rest is that of the end, which is on the wrong side where they have passed each other
         some = (found.excess() > 0) | (found.numbers[:, SAME] > ALIKE)
-        new, old = self._codes(found.pairs), self._codes(held.pairs)
+        new, old = self._codes(found.pairs), self._codes(contacts.pairs)
         _, one, other = np.intersect1d(new, old, assume_unique=True, return_indices=True)
-        now, then = found.excess()[one], held.excess()[other]
+        now, then = found.excess()[one], contacts.excess()[other]
         anew = some[one] & (now > ANEW * self.thickness) & (now > 2 * then)
         given = np.zeros((len(new), 3))
         given[one] = forces[other]
         some[one[~anew]] = False
         stay = np.ones(len(old), bool)
         stay[other[anew]] = False
-        parts = zip(held.where(stay), found.where(some), strict=True)
+        parts = zip(contacts.where(stay), found.where(some), strict=True)
         return Contacts(*(np.concatenate(pair) for pair in parts)), np.concatenate([forces[stay], given[some]])
 
     def _look(self, start: Floats, end: Floats, dt: float) -> Contacts | None:

@@ -51,13 +51,13 @@ class Contacts(NamedTuple):
     def through(self, thickness: float) -> bool:
         """Whether strands have come through each other because they are fast."""
         least = THROUGH * np.minimum(self.numbers[:, columns.BEGIN], thickness)
-        ways = np.linalg.norm(
+        distances = np.linalg.norm(
             self.vectors[:, columns.END : columns.END + 3] - self.vectors[:, columns.START : columns.START + 3], axis=1
         )
-        return bool(((self.numbers[:, columns.GAP] < least) & (ways > thickness)).any())
+        return bool(((self.numbers[:, columns.GAP] < least) & (distances > thickness)).any())
 
     def update(self, start: Floats, end: Floats) -> None:
-        """Set ways and distances at the same places."""
+        """Set vectors and distances at the same places."""
         i, a, j, b = self.pairs.T
         alpha, beta = self.numbers[:, columns.ALPHA, None], self.numbers[:, columns.BETA, None]
         for place, x in ((columns.START, start), (columns.END, end)):
@@ -79,9 +79,9 @@ class Contacts(NamedTuple):
         return bool(self.numbers[:, columns.YIELDING].any())
 
     def let_crowds_yield(self, thickness: float, ease: float, strands: int, segments: int) -> None:
-        """Let contacts yield to their forces where more strands begin inside of each other than can be held apart:
-        there are more contacts there than ways to move, and their forces would grow without limit. So that they do not
-        give way step by step, they come apart by ``ease`` a step, metres, near roots too."""
+        """Let contacts yield to their forces where more strands begin inside of each other than can be kept apart:
+        there are more contacts there than directions to move in, and their forces would grow without limit. So that
+        they do not yield step by step, they come apart by ``ease`` a step, metres, near roots too."""
         deep = np.maximum(1 - self.numbers[:, columns.BEGIN] / thickness, 0)
         one = self.pairs[:, columns.FIRST] * segments + self.pairs[:, columns.FIRST_SEGMENT]
         other = self.pairs[:, columns.SECOND] * segments + self.pairs[:, columns.SECOND_SEGMENT]

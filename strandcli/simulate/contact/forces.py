@@ -23,7 +23,7 @@ SWEEPS, LEAST_SWEEPS, UPDATES = 200, 30, 100_000
 CROWD_SWEEPS = 10
 """The same where contacts yield: more change nothing."""
 PRECISION = 1e-4
-"""Of ways in the contact solve, over the thickness."""
+"""Of displacements in the contact solve, over the thickness."""
 TRUST = 3.0
 """Greatest displacement that a round is trusted with, over the thickness or the greatest excess."""
 TINY = 1e-30
@@ -37,7 +37,7 @@ class Method(NamedTuple):
     """How strands take a step, each by BDF2 or by Euler's method."""
 
     euler: NDArray[np.bool_]
-    """(S,) which go by Euler's method though others may go by BDF2."""
+    """(S,) which go by Euler's method though the rest may go by BDF2."""
     square: Floats
     """(S,) h² by which forces enter it, s²."""
     reach: Floats
@@ -81,7 +81,7 @@ class Forces:
         contact_solve.solve(found.pairs, contacts, (responses, own), settings, after, moves)
         moved = float(np.abs(moves).max())
         share = min(1.0, TRUST * max(float(found.excess().max()), self.thickness) / max(moved, TINY))
-        leans = np.asarray(self._held(solver.state).any((1, 2)))
+        leans = np.asarray(self._clamped(solver.state).any((1, 2)))
         found.numbers[:, URGENCY] *= leans[found.pairs[:, FIRST]] | leans[found.pairs[:, SECOND]]
         urgent = found.numbers[:, URGENCY] > 0
         forces += share * np.maximum(found.numbers[:, URGENCY, None], 1) * (after - forces)
@@ -128,7 +128,7 @@ class Forces:
         tension = self.emitted(state.tension)[:, :, 0] * square[:, None]
         bands = np.empty((len(strands), BLOCK * self.segments, BAND))
         mass, joint = drag * material.mass.astype(np.float64), material.joint.astype(np.float64)
-        loads = stiffness, tension, self._held(state)
+        loads = stiffness, tension, self._clamped(state)
         edges, parts = self.emitted(state.edges), np.empty((3, 3, 3))
         contact_response.factorise(strands, edges, loads, mass, joint, solver.curled, bands, parts)
         return bands
@@ -147,13 +147,13 @@ class Forces:
             for place, part in ((at, (1 - share) * force), (at + 1, share * force)):
                 for c in range(3):
                     added[:, c] += np.bincount(place, part[:, c], len(added))
-        crowd = solver.state.acceleration
+        acceleration = solver.state.acceleration
         masses = self.lengths[:, None, None] * solver.mass.astype(np.float64)[:, None]
         rows = self.groom.placed(added.reshape(count, n + 1, 3)[:, 1:] / (masses * self._step**2))
         for j in range(n):
-            crowd[:, j] = lanes(rows[:, j], crowd.dtype, PACK)
+            acceleration[:, j] = lanes(rows[:, j], acceleration.dtype, PACK)
 
-    def _held(self, state: State) -> Floats:
+    def _clamped(self, state: State) -> Floats:
         """Return (S, N, 3) the unit normals of solids that particles touch, or 0."""
         if len(state.force) != len(state.edges):
             return np.zeros((len(self.lengths), self.segments, 3))

@@ -74,7 +74,10 @@ class StrandGrid:
         packs = -(-groom.strands // PACK)
         self.metres = np.zeros((packs, PACK), np.float32)
         self.metres.reshape(-1)[: groom.strands] = lengths * (scene.children.count if scene.children else 1)
-        self.extent = max(extent_of(positions), float(groom.lengths.max()))  # folded strands reach further
+        low, high = ends_of(positions)
+        self.extent = max(
+            float((high.max(0) - low.min(0)).max()), float(groom.lengths.max())
+        )  # folded strands reach further
         self._thickness = 2 * matter(scene.rod)[1]
         self.cell = cell_of(scene, groom, parameters.cell, self.extent)
         kind = np.dtype(dtype).type
@@ -107,15 +110,13 @@ class StrandGrid:
     def prepare(self, state: State, mass: NDArray[Any], roots: NDArray[Any], moment: Moment) -> None:
         """Set `State.acceleration` and `State.jolted` for a step. ``roots`` (P, 3 S): velocity of the roots in it, m/s.
         Where a coordinate is not finite there is no grid, and both are set to zero."""
-        if not self._lay(state.positions):
+        if not self._place(state.positions):
             state.acceleration[...], state.jolted[...] = 0, 0
             self._last_step = 0.0
             return
         if self._last_step == 0:  # nothing is known of a step before
             self.unloaded[...] = state.velocity
-        moving = Moving(
-            state.positions, state.velocity, self.unloaded, self.pushed, state.jolted, roots, self.metres
-        )  # fmt: skip
+        moving = Moving(state.positions, state.velocity, self.unloaded, self.pushed, state.jolted, roots, self.metres)
         kind, whole = type(self.samples.inverse), self.boxes[-1]
         again = kind(moment.step / self._last_step if self._last_step else 1.0)
         samples = self.samples._replace(step=kind(moment.step), again=again)
@@ -210,11 +211,11 @@ class StrandGrid:
             self.room.open[:], self.room.aperture[:] = 1, 1
             find_room(whole, self.cell, met, self._along, self.near, self.room.open, self.room.aperture)
 
-    def _lay(self, positions: NDArray[Any]) -> bool:
+    def _place(self, positions: NDArray[Any]) -> bool:
         """Set the boxes about the strands of each part and of all, and their origins; False where a coordinate is not
         finite. Raises `UsageError` where they take too many cells."""
         before = self.boxes[-1].copy()
-        if not lay_boxes(positions, self.parts, self.cell, self._margin, self.where, self.boxes):
+        if not place_boxes(positions, self.parts, self.cell, self._margin, self.where, self.boxes):
             return False
         self._origins[...] = self.cell * (self.boxes[:, LOW : LOW + 3] + 0.5)
         count = self.boxes[-2, OFFSET] + self.boxes[-2, SIZE : SIZE + 3].prod()
@@ -232,12 +233,6 @@ def ends_of(positions: NDArray[Any]) -> tuple[NDArray[Any], NDArray[Any]]:
     return rows.min((1, 3)), rows.max((1, 3))
 
 
-def extent_of(positions: NDArray[Any]) -> float:
-    """Return the greatest extent along an axis of strands in blocks."""
-    low, high = ends_of(positions)
-    return float((high.max(0) - low.min(0)).max())
-
-
 def moved(values: NDArray[Any], before: NDArray[np.int64], box: NDArray[np.int64]) -> NDArray[Any]:
     """Return the values of cells in another box, 0 where they had none: (z, y, x)."""
     found = np.zeros(box[SIZE : SIZE + 3][::-1], values.dtype)
@@ -250,7 +245,7 @@ def moved(values: NDArray[Any], before: NDArray[np.int64], box: NDArray[np.int64
     return found
 
 
-def lay_boxes(
+def place_boxes(
     positions: NDArray[Any], parts: NDArray[np.int64], cell: float, margin: int, where: str, boxes: NDArray[np.int64]
 ) -> bool:
     """Set the ``boxes`` (parts + 1, `BOX`) about the strands of each part, of whole blocks, and ``margin`` cells wider

@@ -144,7 +144,7 @@ def rest_of(scene: Scene, shape: Shape, matter: Matter, pose: Pose, dtype: Any) 
 
 
 def state_of(positions: NDArray[Any], edges: Iterable[Floats], rest: Rest, needs: Needs, dtype: Any) -> State:
-    """The state of strands at rest, at ``positions`` with these ``edges`` in the world; arrays that nobody needs have
+    """The state of strands at rest, at ``positions`` with these ``edges`` in the world; arrays that are not needed have
     one pack."""
     packs, n, _ = rest.tension.shape
     rows = on_large_pages((packs, n, 3 * PACK), dtype)

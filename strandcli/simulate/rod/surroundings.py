@@ -51,11 +51,10 @@ class Surroundings:
             )
         phases = wind.phases(scene.seed).tolist()
         self._phases, self._swings = phases[:3], phases[3:]
-        contacts = [use.parameters for use in scene.rules if use.name == "collision"]
         met = touched(scene)
         self._met, self.any_solids = met, bool(met)
-        self.segments = bool(met) and any(one.segments for one in contacts)
-        """Whether whole segments are kept out of solids, and not only particles."""
+        self.segments = bool(met) and any(use.name == "collision" and use.parameters.segments for use in scene.rules)
+        """Whether whole segments stay out of solids, and not only particles."""
         kinds = {kind: [one for one in met if one.kind == kind] for kind in solids.COLUMNS}
         self.custom = solids.custom_of(met)
         """Solids without kernels of their own; their kind is "" here."""

@@ -56,10 +56,8 @@ def passes(parameters: Parameters, scene: Scene) -> list[Pass]:
     from ..contact.kernels import segments
 
     met = chosen(parameters, scene)
-    if not parameters.segments:
-        return _ends(met)
     through = {"sphere": segments.sphere, "capsule": segments.capsule, "box": segments.box}
-    return _by_kind(met, through, custom.catch) + _ends(met)
+    return (_by_kind(met, through, custom.catch) if parameters.segments else []) + _ends(met)
 
 
 def closing(parameters: Parameters, scene: Scene) -> list[Pass]:
@@ -88,25 +86,20 @@ def _ends(met: list[Any]) -> list[Pass]:
 def _by_kind(met: list[Any], shipped: dict[str, Any], custom: Callable[..., None]) -> list[Pass]:
     """One pass for each kind of the solids that are ``met``, by the functions of ``shipped`` kinds, and one for those
     without kernels of their own, by the function ``custom``."""
+    import numpy as np
+
+    from ...scene.motion import solid_pose
     from ...solids import custom_of, pack
+    from ...solids.custom import pack as pack_custom
+    from ...solids.custom import together
 
     def rows(kind: str) -> Callable[[Moment], Any]:
         return lambda moment: pack(kind, met, moment.scene.emitter, moment.pose_time)
 
-    there = {solid.kind for solid in met}
+    def custom_rows(moment: Moment) -> Any:
+        poses = [solid_pose(one, moment.scene.emitter, moment.pose_time) for one in rest]
+        return together(rest, pack_custom(rest, poses, np.float32), moment.pose_time)
+
+    there, rest = {solid.kind for solid in met}, custom_of(met)
     found = [Pass(function, rows(kind)) for kind, function in shipped.items() if kind in there]
-    rest = custom_of(met)
-    if rest:
-        found.append(Pass(custom, lambda moment: _custom(rest, moment)))
-    return found
-
-
-def _custom(solids: list[Any], moment: Moment) -> Any:
-    """Return solids without kernels of their own, with the data of their shapes."""
-    import numpy as np
-
-    from ...scene.motion import solid_pose
-    from ...solids.custom import pack, together
-
-    poses = [solid_pose(one, moment.scene.emitter, moment.pose_time) for one in solids]
-    return together(solids, pack(solids, poses, np.float32), moment.pose_time)
+    return found + ([Pass(custom, custom_rows)] if rest else [])

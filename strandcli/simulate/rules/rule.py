@@ -22,7 +22,7 @@ class Moment(NamedTuple):
 
     @property
     def pose_time(self) -> float:
-        """Time at which keys are read: during the pre-roll everything is held, unless the motion repeats."""
+        """Time at which keys are read: during the pre-roll everything stands still, unless the motion repeats."""
         return float(self.scene.time.pose_time(self.time))
 
 
@@ -34,7 +34,7 @@ class Pass:
     places are tuples of x, y, z in metres: of particle i, of i - 1, of i - 2 (for i = 1 the root minus one segment
     along the strand's direction, thesis §2); length is the rest length of a segment; p a tuple of ``numbers`` numbers.
     Neighbouring passes of this kind become one loop, and that vector code, if they do not branch: choose between two
-    values, not between two ways.
+    values, not between two branches.
 
     ``stage="particle"``: ``(x, parent, grandparent, root, length, p, i, n)`` changes ``x`` alone and has its own loops
     over the lanes. Rows of particle i, of i - 1, of i - 2 and of the root, each ``(3 * W,)`` float32: x of every lane,

@@ -184,15 +184,15 @@ class ThesisSolver(Solver):
         return [prepared[place] for place in self._places]
 
     def _stretched(self, time: float, dt: float) -> float:
-        """Return how many times as long as the others the step that ends at ``time`` is, by ``time.jitter``: evenly
+        """Return how many times as long as the mean the step that ends at ``time`` is, by ``time.jitter``: evenly
         spread over 1 - jitter to 1 + jitter, whatever the seed."""
         jitter = self.scene.time.jitter
         return 1 + jitter * (2 * (round(time / dt) * GOLDEN % 1) - 1) if jitter > 0 else 1.0
 
     def state_arrays(self) -> dict[str, NDArray[Any]]:
         """Return the positions, and what rules keep from step to step."""
-        kept = {f"pass {i}, {j}": one for i, p in enumerate(self._distinct) for j, one in enumerate(p.state)}
-        return {**super().state_arrays(), **kept}
+        state = {f"pass {i}, {j}": one for i, p in enumerate(self._distinct) for j, one in enumerate(p.state)}
+        return {**super().state_arrays(), **state}
 
     def restore(self, state: Mapping[str, NDArray[Any]]) -> None:
         """Go on from such a state."""

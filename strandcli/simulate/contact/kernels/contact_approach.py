@@ -19,7 +19,7 @@ NEAR = 0.9
 CLOSE = 1.02
 """Times that share at which advancing ends."""
 TOGETHER = 1e-6
-"""Share of the thickness up to which segments have no way between them."""
+"""Share of the thickness up to which segments have no direction between them."""
 ADVANCES = 64
 """Times that are looked at before the rest of the step is cut into pieces."""
 PIECES, BISECTIONS = 24, 40
@@ -29,7 +29,7 @@ BOUND = 4.0
 SLOPE = 0.1
 """By how much the distance that strands keep grows along them, from that of their roots to their thickness."""
 DEEP = 0.25
-"""Share of the thickness from which on strands begin too close to be kept on their sides in all of a step."""
+"""Share of the thickness from which on strands begin too close to stay on their sides in all of a step."""
 TOUCH = 1e-3
 """Share of the least distance within which segments whose ends lie in a plane pass through each other."""
 OBLIQUE = 0.05
@@ -53,7 +53,7 @@ def particle(x, strand, j):
 
 @inlined
 def between(a, b, t):
-    """The point at a share t of the way from a to b."""
+    """The point at a share t from a to b."""
     return add_scaled(a, t, less(b, a))
 
 
@@ -69,7 +69,7 @@ def segment_at(start, end, strand, j, t):
 @device
 def nearest_at(start, end, pair, t):
     """Of a pair at a share t of the step the distance, the places on both segments that are nearest to each other, and
-    the way from the first to the second (Ericson 2005, §5.1.9). Of parallel segments the places are in the middle of
+    the vector from the first to the second (Ericson 2005, §5.1.9). Of parallel segments the places are in the middle of
     what lies side by side."""
     p = segment_at(start, end, pair[columns.FIRST], pair[columns.FIRST_SEGMENT], t)
     q = segment_at(start, end, pair[columns.SECOND], pair[columns.SECOND_SEGMENT], t)
@@ -82,8 +82,8 @@ def nearest_at(start, end, pair, t):
         alpha = 0.5 * (clamped(-d / a) + clamped((b - d) / a))
     beta = clamped((b * alpha + e) / c)
     alpha = clamped((b * beta - d) / a)
-    way = less(add_scaled(q[0], beta, v), add_scaled(p[0], alpha, u))
-    return math.sqrt(dot(way, way)), alpha, beta, way
+    offset = less(add_scaled(q[0], beta, v), add_scaled(p[0], alpha, u))
+    return math.sqrt(dot(offset, offset)), alpha, beta, offset
 
 
 @device
@@ -108,15 +108,15 @@ def counts(start, end, pair, places, normal, t):
 
 @device
 def greatest_speed(start, end, pair):
-    """The greatest relative way of the ends of a pair's segments."""
+    """The greatest relative displacement of the ends of a pair's segments."""
     worst = 0.0
     for i in range(2):
         a = pair[columns.FIRST_SEGMENT] + i
         one = less(particle(end, pair[columns.FIRST], a), particle(start, pair[columns.FIRST], a))
         for j in range(2):
             b = pair[columns.SECOND_SEGMENT] + j
-            way = less(less(particle(end, pair[columns.SECOND], b), particle(start, pair[columns.SECOND], b)), one)
-            worst = max(worst, dot(way, way))
+            relative = less(less(particle(end, pair[columns.SECOND], b), particle(start, pair[columns.SECOND], b)), one)
+            worst = max(worst, dot(relative, relative))
     return math.sqrt(worst)
 
 
@@ -125,12 +125,12 @@ def aside(pair, p):
     """A unit vector across the segment p for a pair that lies in one line: it differs from pair to pair, and is the
     same at each step."""
     turn = 2.399963 * (7.0 * pair[columns.FIRST] + 13.0 * pair[columns.SECOND])
-    way = cross(less(p[1], p[0]), (math.cos(turn), math.sin(turn), math.cos(0.7 * turn)))
-    return scaled(1.0 / max(math.sqrt(dot(way, way)), TINY), way)
+    normal = cross(less(p[1], p[0]), (math.cos(turn), math.sin(turn), math.cos(0.7 * turn)))
+    return scaled(1.0 / max(math.sqrt(dot(normal, normal)), TINY), normal)
 
 
 @device
-def kept_distance(start, pair, lengths, thickness):
+def least_distance(start, pair, lengths, thickness):
     """The distance that segments should keep: that of their roots, which hold them there, and more the further from
     these, up to the thickness."""
     if pair[columns.FIRST] == pair[columns.SECOND]:
@@ -143,7 +143,7 @@ def kept_distance(start, pair, lengths, thickness):
 
 @device
 def across_both(start, end, pair, t):
-    """The vector product of a pair's segments at a share t of the step, and its product with the way between their
+    """The vector product of a pair's segments at a share t of the step, and its product with the vector between their
     beginnings, which changes its sign where the ends lie in a plane (Provot 1997)."""
     p = segment_at(start, end, pair[columns.FIRST], pair[columns.FIRST_SEGMENT], t)
     q = segment_at(start, end, pair[columns.SECOND], pair[columns.SECOND_SEGMENT], t)
@@ -168,12 +168,12 @@ def rest_of_step(start, end, pair, t, least):
                     at = middle
                 else:
                     above = middle
-            distance, alpha, beta, way = nearest_at(start, end, pair, at)
+            distance, alpha, beta, offset = nearest_at(start, end, pair, at)
             if distance < TOUCH * least:
                 across, _ = across_both(start, end, pair, at)
                 size = math.sqrt(dot(across, across))
                 if size <= TINY:
-                    return True, at, (0.0, alpha, beta, way)
+                    return True, at, (0.0, alpha, beta, offset)
                 return True, at, (least, alpha, beta, scaled(math.copysign(least, before) / size, across))
         low, before = high, after
     return False, 1.0, nearest_at(start, end, pair, 1.0)
@@ -201,8 +201,8 @@ def look_at(start, end, lengths, pair, sizes, number, vector):
         number[columns.COUNTS] = 0.0
         return
     free = min(1.0, max(0.0, min(pair[columns.FIRST_SEGMENT], pair[columns.SECOND_SEGMENT]) - 1.0) / BOUND)
-    number[columns.KEPT] = kept = kept_distance(start, pair, lengths, thickness)
-    number[columns.WANTED] = min(kept, begin + free * ease * thickness)
+    number[columns.KEPT] = retained = least_distance(start, pair, lengths, thickness)
+    number[columns.WANTED] = min(retained, begin + free * ease * thickness)
     least = NEAR * min(begin, thickness)
     t = 0.0
     for _ in range(ADVANCES):
@@ -228,18 +228,19 @@ def look_at(start, end, lengths, pair, sizes, number, vector):
 @device
 def touch(start, end, pair, t, found, thickness, number, vector):
     """Set the contact of a pair to what `nearest_at` has ``found`` at a share t of the step; return the normal."""
-    distance, alpha, beta, way = found
+    distance, alpha, beta, offset = found
     number[columns.ALPHA], number[columns.BETA] = alpha, beta
     if distance > TOGETHER * thickness:
-        normal = scaled(1.0 / distance, way)
+        normal = scaled(1.0 / distance, offset)
     else:
         normal = aside(pair, segment_at(start, end, pair[columns.FIRST], pair[columns.FIRST_SEGMENT], t))
     vector[columns.NORMAL], vector[columns.NORMAL + 1], vector[columns.NORMAL + 2] = normal
     a, b = pair[columns.FIRST_SEGMENT], pair[columns.SECOND_SEGMENT]
     for place, x in ((columns.START, start), (columns.END, end)):
-        other = between(particle(x, pair[columns.SECOND], b), particle(x, pair[columns.SECOND], b + 1), beta)
-        way = less(other, between(particle(x, pair[columns.FIRST], a), particle(x, pair[columns.FIRST], a + 1), alpha))
-        vector[place], vector[place + 1], vector[place + 2] = way
-    number[columns.GAP] = dot(normal, way)
+        first = between(particle(x, pair[columns.FIRST], a), particle(x, pair[columns.FIRST], a + 1), alpha)
+        second = between(particle(x, pair[columns.SECOND], b), particle(x, pair[columns.SECOND], b + 1), beta)
+        offset = less(second, first)
+        vector[place], vector[place + 1], vector[place + 2] = offset
+    number[columns.GAP] = dot(normal, offset)
     number[columns.COUNTS] = 1.0 if counts(start, end, pair, (alpha, beta), normal, t) else 0.0
     return normal

@@ -19,12 +19,12 @@ ALPHA, BETA, GAP, WANTED, BEGIN, SAME, COUNTS, KEPT, YIELDING, IMPACT, URGENCY =
 """Of a contact (float64): places on both segments as shares from their beginnings; distance along the normal at the end
 of the step, and the one that is wanted there; distance of the segments when the step begins; cosine between
 the normal and that when the step begins; 1 where the place is nearest on both strands; the distance that
-roots leave to the pair, at most the thickness; by how many times its own response it gives way to its force; the share
+roots leave to the pair, at most the thickness; by how many times its own response it yields to its force; the share
 of that which is an impact; and how many times as far its force goes in a round as the response says, 0 as 1."""
 NUMBERS = 11
 NORMAL, START, END = 0, 3, 6
 VECTORS = 9
-"""Of a contact (float64): unit normal to the second strand; way between both places at begin and end of a step."""
+"""Of a contact (float64): unit normal to the second strand; vector between both places at begin and end of a step."""
 LOW, HIGH = 0, 1
 """Of a box: its least and its greatest corner."""
 AXES = 3
@@ -66,7 +66,7 @@ class Nearby:
 
     def find(self, start: Floats, end: Floats, reach: float) -> NDArray[np.int64]:
         """Return (m, 4) pairs, as `contact_pairs` has them, by strands and segments in ascending order, of segments
-        of which some points come closer than ``reach`` on straight ways from ``start`` to ``end`` (S, N + 1, 3). They
+        of which some points come closer than ``reach`` on straight paths from ``start`` to ``end`` (S, N + 1, 3). They
         are valid until the next call."""
         boxes = _boxes(start, end, reach)
         boxes = np.roll(boxes, -int(np.argmax(np.ptp(boxes[:, LOW], axis=0))), axis=2)
@@ -95,6 +95,6 @@ class Nearby:
 
 
 def _boxes(start: Floats, end: Floats, reach: float) -> Floats:
-    """Return (m, 2, 3) boxes that segments stay in on their ways, wider by half of a reach."""
+    """Return (m, 2, 3) boxes that segments stay in on their paths, wider by half of a reach."""
     ends = np.stack([start[:, :-1], start[:, 1:], end[:, :-1], end[:, 1:]])
     return np.stack([ends.min(0) - reach / 2, ends.max(0) + reach / 2], 2).reshape(-1, 2, 3)

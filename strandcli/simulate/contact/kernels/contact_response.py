@@ -74,8 +74,8 @@ def factorise(strands, edges, loads, mass, joint, curled, bands, parts):
             for c in range(columns.AXES):
                 add(matrix, BLOCK * j + c, BLOCK * j + c, mass[j])
                 for d in range(c + 1):
-                    held = HELD * mass[j] * normals[s, j, c] * normals[s, j, d]
-                    add(matrix, BLOCK * j + c, BLOCK * j + d, held)
+                    pinned = HELD * mass[j] * normals[s, j, c] * normals[s, j, d]
+                    add(matrix, BLOCK * j + c, BLOCK * j + d, pinned)
                 add(matrix, BLOCK * j + MULTIPLIER, BLOCK * j + c, edges[s, j, c])
                 if j > 0:
                     add(matrix, BLOCK * j + MULTIPLIER, BLOCK * (j - 1) + c, -edges[s, j, c])

@@ -3,7 +3,7 @@
 Of each contact the force λ on its second strand, and −λ on its first, keeps both apart (Signorini) and keeps them from
 sliding, or opposes their sliding by µ times its normal part. Displacements are those of the whole step, so strands that
 stick are where they were. One contact after the other, with what the rest do: nonlinear Gauss-Seidel. Where a contact
-slides, friction opposes its way exactly: with its response w and α >= 0, the way over the friction,
+slides, friction opposes its slip exactly: with its response w and α >= 0, the slip over the friction,
 
     n·w λ = what is missing along the normal n,    (w λ)_t + α λ_t = what would stick across it,    |λ_t| = µ λ_n.
 """
@@ -40,10 +40,10 @@ def times(w, v):
 @device
 def moved(moves, strand, end, share):
     """The displacement of a place on the segment that ends at particle ``end`` of those that move; roots do not."""
-    way = scaled(share, three(moves[strand, end], 0))
+    displacement = scaled(share, three(moves[strand, end], 0))
     if end > 0:
-        way = add_scaled(way, 1.0 - share, three(moves[strand, end - 1], 0))
-    return way
+        displacement = add_scaled(displacement, 1.0 - share, three(moves[strand, end - 1], 0))
+    return displacement
 
 
 @device
@@ -57,7 +57,7 @@ def moved_by(response, end, share, c, d):
 
 @function
 def own_responses(pairs, numbers, responses, out):
-    """Set ``out`` (m, 3, 3): how the way between both places of a contact changes by its own force."""
+    """Set ``out`` (m, 3, 3): how the vector between both places of a contact changes by its own force."""
     for i in range(len(pairs)):
         a, b = pairs[i, columns.FIRST_SEGMENT], pairs[i, columns.SECOND_SEGMENT]
         same = pairs[i, columns.FIRST] == pairs[i, columns.SECOND]
@@ -81,7 +81,7 @@ def solution(w, v):
 
 @device
 def force_of(normal, start, free, wanted, friction, w):
-    """The force of one contact with the response w, where ``free`` is the way between its places without it, and
+    """The force of one contact with the response w, where ``free`` is the vector between its places without it, and
     ``start`` that when the step begins."""
     missing = wanted - dot(normal, free)
     if missing <= 0.0:
@@ -96,14 +96,14 @@ def force_of(normal, start, free, wanted, friction, w):
 
 
 @device
-def slide(normal, way, missing, friction, w):
-    """The force of a contact that slides, where ``way`` is what would stick, and ``missing`` what it lacks along the
+def slide(normal, slip, missing, friction, w):
+    """The force of a contact that slides, where ``slip`` is what would stick, and ``missing`` what it lacks along the
     normal, metres.
 
     With λ_n eliminated, (S + α) λ_t = b, S being 2 × 2 and symmetric. µ λ_n / |λ_t| − 1 is below 0 where α is 0, as the
     force that would stick is out of the cone, is above from an α on that is known, and nearly straight between: the
     root is found by false position (the Illinois rule, Dowell & Jarratt 1971). Iterations for the direction of sliding
-    need not end where a strand gives way along itself far less than across."""
+    need not end where a strand yields along itself far less than across."""
     one = (0.0, -normal[2], normal[1]) if abs(normal[0]) < 0.6 else (-normal[1], normal[0], 0.0)
     one = scaled(1.0 / max(math.sqrt(dot(one, one)), TINY), one)
     other = cross(normal, one)
@@ -112,7 +112,7 @@ def slide(normal, way, missing, friction, w):
     a = dot(one, by_one) - turn * turn / own
     b = dot(one, by_other) - turn * other_turn / own
     d = dot(other, by_other) - other_turn * other_turn / own
-    x, y = dot(one, way) - turn * missing / own, dot(other, way) - other_turn * missing / own
+    x, y = dot(one, slip) - turn * missing / own, dot(other, slip) - other_turn * missing / own
     of = missing, own, friction, (a, b, d), (x, y), (turn, other_turn)
     push, x, y = missing / own, 0.0, 0.0
     if friction > 0.0:
@@ -168,9 +168,9 @@ def root_of(of):
 @function
 def solve(pairs, contacts, responses, settings, forces, moves):
     """Change ``forces`` (m, 3) and with them ``moves`` (S, N, 3), displacements against `END` of the contacts'
-    ``vectors``, until no contact changes its way by more than the tolerance. ``contacts``: numbers and vectors;
-    ``responses``: those of `contact_response.respond` and `own_responses`; ``settings``: friction, sweeps at the most,
-    tolerance in metres, and response of contacts that are left out. Returns the sweeps."""
+    ``vectors``, until no contact changes its displacement by more than the tolerance. ``contacts``: numbers and
+    vectors; ``responses``: those of `contact_response.respond` and `own_responses`; ``settings``: friction, sweeps at
+    the most, tolerance in metres, and response of contacts that are left out. Returns the sweeps."""
     _, sweeps, tolerance, _ = settings
     for sweep in range(sweeps):
         worst = 0.0
@@ -200,7 +200,7 @@ def apply(pair, response, force, moves):
 
 @device
 def solve_one(i, pairs, contacts, responses, settings, forces, moves):
-    """Solve for the force of one contact, with what the others do; return by how much its way changes, metres."""
+    """Solve for the force of one contact, with what the rest do; return the change of its displacement, metres."""
     pair, number, vector = pairs[i], contacts[0][i], contacts[1][i]
     response, own, friction, least = responses[0][i], responses[1][i], settings[0], settings[3]
     soft = own[0, 0] + own[1, 1] + own[2, 2]

@@ -1,6 +1,6 @@
 """Where solids touch a strand: gaps, normals, and by how much places have slid on the solids.
 
-Of each segment the place that is deepest in a solid counts: its end, or where whole segments are kept out any place of
+Of each segment the place that is deepest in a solid counts: its end, or where whole segments stay out any place of
 it. A segment that comes into a solid becomes active; one whose solid pulls it is let go. In the last sweep an edge
 whose end is in a solid is turned until it is outside: its end moves on a sphere around where the edge begins, by
 Newton's method for a gap of 0. What is left to turn is what the iterations of the step have left, rounding and places
@@ -24,9 +24,9 @@ ROUNDING = 1e-6
 DEEP = 0.02
 """Depth, in segments, from which on a solid touches a place late in a step."""
 SHARP = 0.1
-"""Sine between the normals of two solids from which on both are kept apart."""
+"""Sine between the normals of two solids from which on both count."""
 ABLE = 0.5
-"""Depth of the beginning of a segment, in segments, up to which its end can be kept out."""
+"""Depth of the beginning of a segment, in segments, up to which its end can be put out."""
 ROUNDS = 4
 SLACK, COORDINATES = 1e-6, 2e-7
 """Depth, as a share of an edge and of coordinates, that counts as rounding."""
@@ -85,7 +85,7 @@ def contacts(s, at, state, material, c, contact, needs, root, step, patience):
 
     Returns whether solids touch some segment; whether u* has changed, for forces were taken back, or act elsewhere;
     whether some segment is nearer to a solid than its length, or touched by one; the greatest depth of each strand, in
-    segments, of places that can be kept out; and in which lanes some place is inside of a solid, away from one that
+    segments, of places that can be put out; and in which lanes some place is inside of a solid, away from one that
     touches it, or pulled by one, by more than `SETTLED` says, or slips otherwise than its friction by more than
     `CREEP`."""
     n, length = at.segments, c.length
@@ -147,7 +147,7 @@ def update(s, j, found, c, mass, lanes, law_of):
     """Set the contact of segment j to what was found. ``lanes``: which are active, and whether places may be elsewhere
     than at the end; ``law_of``: coefficient of friction, whether it is late, and the error of |e|² with which
     iterations end. Returns in which lanes it is not settled, and whether u* changes: forces of solids that would pull
-    or are out of reach are taken back, others act at another place."""
+    or are out of reach are taken back, the rest act at another place."""
     active, whole = lanes
     coefficient, late, tolerance = law_of
     settled = min(SETTLED * tolerance, DEEP)

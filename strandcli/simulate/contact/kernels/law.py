@@ -194,7 +194,7 @@ def change_force(s, j, particle, edge, mass, whole):
 
 @inlined
 def add_force(s, j, change, mass, whole):
-    """Add to the force of contact on segment j, and what that makes of u* of both of its particles; a root is held."""
+    """Add to the force of contact on segment j, and what that makes of u* of both its particles; a root is pinned."""
     share = load(s.share, j)
     force = sum_of(load3(s.force, 3 * j, 1), change)
     store3(s.force, 3 * j, 1, force[0], force[1], force[2])

@@ -234,9 +234,7 @@ def gap_of(shapes, m, start, end, options):
         if d < lane(reach, k):
             u, v, w = normal_at(shapes, m, a, b, c)
             gap = with_lane(gap, k, 1.0 * d)
-            nx = with_lane(nx, k, u)
-            ny = with_lane(ny, k, v)
-            nz = with_lane(nz, k, w)
+            nx, ny, nz = with_lane(nx, k, u), with_lane(ny, k, v), with_lane(nz, k, w)
     return gap, (nx, ny, nz), share
 
 
@@ -244,9 +242,9 @@ def gap_of(shapes, m, start, end, options):
 def in_reach(shapes, m, end, far):
     """Whether the end of the segment is within `far` of a solid's bounding ball in any lane."""
     rows = shapes.rows
-    dx, dy, dz = end[0] - rows[m + X], end[1] - rows[m + Y], end[2] - rows[m + Z]
+    away = less(end, (rows[m + X], rows[m + Y], rows[m + Z]))
     far += rows[m + REACH]
-    return any_lane(dx * dx + dy * dy + dz * dz < far * far)
+    return any_lane(dot(away, away) < far * far)
 
 
 @inlined

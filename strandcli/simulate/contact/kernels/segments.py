@@ -76,8 +76,8 @@ def turn(touch, x, parent, p):
                     break
                 edge = add_scaled(end, -1.0, start)
                 turned = add_scaled(edge, depth / max(share, LEAST_SHARE), normal)
-                kept = sqrt(dot(edge, edge) / max(dot(turned, turned), TINY))
-                end = select(inside, add_scaled(start, kept, turned), end)
+                scale = sqrt(dot(edge, edge) / max(dot(turned, turned), TINY))
+                end = select(inside, add_scaled(start, scale, turned), end)
             store3(rows, k, W, end[0], end[1], end[2])
 
 

@@ -10,7 +10,7 @@ there is, near surfaces and where cells are few. So only 1 − `HELD` of what th
 pressure of the step before is taken as it is.
 
 Bounds (`limit`). Where strands are far too dense beside room, the few at the edge would be thrown by dozens of cells.
-On a face pressure may stop what comes against it and what falls against it, hold what it held before, and hasten what
+On a face pressure may stop what comes against it and what falls against it, hold what it did before, and hasten what
 it leads apart by a, or bring it to the speed w:
 
     p_c − p_d <= m (max(a + max(−v, 0), w − v) + max(−g, 0)) + HELD max(p'_c − p'_d, 0),    a = 2 s², w = s
@@ -36,13 +36,13 @@ LIMITS = 16
 DEEPEST = np.float32(0.95)
 """Cells from a surface to the middle of one in the solid from which on that is closed."""
 HELD = np.float32(0.5)
-"""Share of the pressure of the step before that is taken to be held by other forces; with all it swings."""
+"""Share of the pressure of the step before that other forces are taken to carry; with all it swings."""
 HASTE = np.float32(2)
 """Share that pressure makes up for in a step, over that of the density at the most: all would throw strands."""
 DENSEST = np.float32(4)
 """Densities, of those allowed, up to which that is a share of them: what is denser is led apart no faster."""
 HASTENED, LED = np.float32(2), np.float32(1)
-"""a over s², and w over s. With w alone strands that move on together could not be held."""
+"""a over s², and w over s. With w alone strands that move on together could not be stopped."""
 BETWEEN_ONLY = np.float32(0.5)
 """Share of the impulse on a face for what lies between middles: with none, strands gather in every other cell."""
 WIDELY = np.float32(0.5) * (1 - BETWEEN_ONLY)
@@ -119,7 +119,7 @@ def find_room(box, cell, solids, along, near, open, aperture):
     """Set the share of each cell that is outside of ``solids``, ``open`` (cells,): of what trilinear weights reach, if
     the nearest surface were a plane across an axis, 0 of cells whose middle is deeper than `DEEPEST`; and its root.
     ``along``: (cells along x,) coordinates of their middles, metres, a multiple of `LANES`, as float32; ``near`` (cells
-    along z, along y): whether strands are near that row of cells, others stay as they are."""
+    along z, along y): whether strands are near that row of cells, the rest stay as they are."""
     wide, high = box[SIZE], box[SIZE + 1]
     x = pointer(along)
     for o in prange(box[SIZE + 2]):
@@ -140,16 +140,16 @@ def find_room(box, cell, solids, along, near, open, aperture):
 
 @device
 def find_excess(box, o, near, grid, room, pressure, numbers):
-    """Set `Room.excess`, `Room.faces` and `Room.held` of layer o's rows that are ``near``, the last to 0 in others.
-    ``pressure`` (cells,): of the step before; ``numbers`` (`NUMBERS`,)."""
+    """Set `Room.excess`, `Room.faces` and `Room.carried` of layer o's rows that are ``near``, the last to 0 in the
+    rest. ``pressure`` (cells,): of the step before; ``numbers`` (`NUMBERS`,)."""
     wide, high, deep = box[SIZE], box[SIZE + 1], box[SIZE + 2]
-    held = pointer(room.held)
+    carried = pointer(room.carried)
     for row in range(o * high, (o + 1) * high):
         for i in range(0, wide, LANES):
             if near[o, row % high]:
                 excess_of(row * wide + i, beside(row, i, wide, high, deep), grid, room, pointer(pressure), numbers)
             else:
-                store(held, row * wide + i, broadcast(held, 0.0))
+                store(carried, row * wide + i, broadcast(carried, 0.0))
 
 
 @device
@@ -167,7 +167,7 @@ def excess_of(at, sides, grid, room, pressure, numbers):
     haste = min(HASTE * most, np.float32(1))
     more = (dense - load(pointer(room.open), at)) * haste
     more = min(more, most * min(max(dense, 1.0), DENSEST))
-    store(pointer(room.held), at, HELD * load(pressure, at))
+    store(pointer(room.carried), at, HELD * load(pressure, at))
     store(pointer(room.excess), at, (more + ratio * flow / full) * inverse + HELD * rise)
     store(pointer(room.faces), at, where((own > 0.0) & (width > 0.0), own / width, 0.0))
 
@@ -248,6 +248,6 @@ def most_by(at, step, axis, between, signs, grid, room, numbers, p):
     led = max(apart + max(against, 0.0), LED * share + against) + max(signs[1], np.float32(0))
     own, wide = load(apertures, at), load(apertures, at + step)
     face = full * own * wide
-    held = max(load(pointer(room.held), at) - load(pointer(room.held), at + step), 0.0)
-    most = load(p, at + step) + held + moved(m, m_next, between, full) / max(face, SLIVER * full) * led
+    carried = max(load(pointer(room.carried), at) - load(pointer(room.carried), at + step), 0.0)
+    most = load(p, at + step) + carried + moved(m, m_next, between, full) / max(face, SLIVER * full) * led
     return where(wide > 0.0, most, load(p, at))

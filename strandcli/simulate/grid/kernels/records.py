@@ -124,7 +124,7 @@ class Room(NamedTuple):
     """Its aperture over the sum of those of its neighbours, 0 in solids."""
     excess: Any
     """e of `pressure` over the aperture, 0 in solids."""
-    held: Any
+    carried: Any
     """`HELD` of the pressure of the step before."""
     left: Any
     """Share of the wind that is left; no rows in calm air."""

@@ -93,7 +93,7 @@ def deposit_pack(moving, samples, pack, box, origins, grid, work):
 @device
 def weights_along(cells, axis, a):
     """The factors along an axis of the weights with which a sample counts in each column of a cell, and of the next
-    one, to whose middle it has gone the share ``a`` of the way. What lies between middles counts for the first."""
+    one, to whose middle it has gone the share ``a``. What lies between middles counts for the first."""
     own, rest = load(half_width_pointer(OWN), rec.CELL * axis), load(half_width_pointer(REST), rec.CELL * axis)
     share = broadcast(cells, a)
     return max(1.0 - share, own), min(share, rest)

@@ -39,7 +39,7 @@ class State(NamedTuple):
     force: Any
     """(P, N, 3 S) force of solids on each segment, over the mass of a particle, m/s²; changed; needed with solids."""
     share: Any
-    """(P, N, S) where on its segment it acts, from its beginning; changed; needed where whole segments are kept out."""
+    """(P, N, S) where on its segment it acts, from its beginning; changed; needed where whole segments stay out."""
     restart: Any
     """(P, S) above 0 for strands that take this step by Euler's method; changed."""
     acceleration: Any

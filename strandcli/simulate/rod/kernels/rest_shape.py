@@ -11,7 +11,7 @@ torques q_j the edge j feels
 
 Without that reaction strands of many curls gain energy from nothing. It enters through c̄, by the edges of the last
 iterate. An edge that tilts by δ alone twists its frame by θ δ and turns the rests after it, χ κ θ² δ² / 2 and some κ θ²
-δ² / 2, of which c̄ that stays knows nothing. So an edge is kept near its last iterate ê by the energy σ |e − ê|² / 2
+δ² / 2, of which c̄ that stays knows nothing. So an edge is pulled to its last iterate ê by the energy σ |e − ê|² / 2
 (majorisation): of edges of unit length that is the force F = σ ê, with τ the greater by σ.
 """
 
