@@ -73,7 +73,7 @@ def thin_part(strands, s, number, part, sketch, view, size, out, along):
     is found of it, and its cost. Return the length of its longest segment along an axis, texels.
 
     number: in its strand, part: among all; out: `vertices`, `found` and `costs` of `thin`; along: of the strands."""
-    vertices, found, costs = out
+    rows, found, costs = out
     width = map_parts.width_of(strands.width, strands.scale, s)
     screen, far, near, focal = strands.screen, view.far, view.near, view.focal
     a = strands.first[s]
@@ -88,12 +88,7 @@ def thin_part(strands, s, number, part, sketch, view, size, out, along):
     u = begin
     x0, y0, q0 = screen[u, 0], screen[u, 1], screen[u, 2]
     d0 = map_parts.depth_of(q0, near, far) if q0 > ZERO else ONE
-    vertices[n, map_parts.X], vertices[n, map_parts.Y], vertices[n, map_parts.DEPTH], vertices[n, map_parts.WIDE] = (
-        x0,
-        y0,
-        d0,
-        -ONE,
-    )
+    rows[n, map_parts.X], rows[n, map_parts.Y], rows[n, map_parts.DEPTH], rows[n, map_parts.WIDE] = x0, y0, d0, -ONE
     skipped = ZERO  # from the last vertex through those that are left out
     weight, ends = ONE, begin if sketch.chances.shape[0] > 0 else last  # of the group of segments up to `ends`
     for v in range(begin + 1, last + 1):
@@ -125,16 +120,11 @@ def thin_part(strands, s, number, part, sketch, view, size, out, along):
             length = max(abs(x1 - x0), abs(y1 - y0))
             longest = max(longest, length)
             cost += ONE + HALF * min(length, np.float32(size))
-        if there or vertices[n, map_parts.WIDE] >= ZERO:
+        if there or rows[n, map_parts.WIDE] >= ZERO:
             n += 1
-        (
-            vertices[n, map_parts.X],
-            vertices[n, map_parts.Y],
-            vertices[n, map_parts.DEPTH],
-            vertices[n, map_parts.WIDE],
-        ) = x1, y1, d1, w
+        rows[n, map_parts.X], rows[n, map_parts.Y], rows[n, map_parts.DEPTH], rows[n, map_parts.WIDE] = x1, y1, d1, w
         u, x0, y0, q0, d0, skipped = v, x1, y1, q1, d1, ZERO
-    last_ends = np.int32(vertices[n, map_parts.WIDE] >= ZERO)  # at the last vertex a segment may not end
+    last_ends = np.int32(rows[n, map_parts.WIDE] >= ZERO)  # at the last vertex a segment may not end
     note_rows(low, high, cost, n - at + last_ends, size, found, part, costs)
     return longest
 
