@@ -234,7 +234,7 @@ def test_solids_behind_closed_strands_are_not_shaded_and_no_pixel_differs(monkey
         draw(self.keys, self.image, rows=rows)
         edges.within(rows[0] * self.size[0], rows[1] * self.size[0]).composite(draw, self.image, self.backdrop)
 
-    monkeypatch.setattr("strandcli.draw.coverage.coverage.Coverage._cuts", lambda self: [(0, 21), (21, 48)])
+    monkeypatch.setattr("strandcli.draw.coverage.coverage.Coverage._cuts", lambda self, *rows: [(0, 21), (21, 48)])
     monkeypatch.setattr(Lighting, "shade_surfaces", note)
     text = EDGE % (BETWEEN, "perspective", "sorted", 1, f"[{BALL}, {ROD}, {GROUND}]")
     scene = scene_of(text.replace("image: {", "image: {haze: 20, "))
