@@ -12,6 +12,7 @@ from typing import Any, NamedTuple
 import numpy as np
 from numpy.typing import NDArray
 
+from ..common import srgb
 from ..common.counted import counted
 from ..common.rotations import turning
 from ..errors import UsageError, about
@@ -20,8 +21,7 @@ from ..files.picture_samples import MOST, pixels
 from ..meshes.mesh import TriangleMesh
 from .read import KEPT, UP
 
-CODES = np.arange(256) / 255.0
-LINEAR = np.where(CODES <= 0.04045, CODES / 12.92, ((CODES + 0.055) / 1.055) ** 2.4).astype(np.float32)
+LINEAR = srgb.decoded(np.arange(256) / 255.0).astype(np.float32)
 """(256,) linear light of the codes of sRGB."""
 
 

@@ -10,6 +10,8 @@ from typing import Any
 import numpy as np
 import numpy.typing as npt
 
+from ..common import srgb
+
 Vectors = npt.NDArray[np.float64]
 Indices = npt.NDArray[np.int32]
 SLICE = 1 << 14
@@ -216,5 +218,4 @@ def linear(colours: npt.NDArray[Any]) -> npt.NDArray[np.float32]:
     values = colours[:, :3]
     shown = values.astype(np.float64) / (255.0 if values.dtype.kind in "iu" else 1.0)
     shown = np.clip(np.nan_to_num(shown), 0.0, 1.0)
-    found: npt.NDArray[np.float64] = np.where(shown <= 0.04045, shown / 12.92, ((shown + 0.055) / 1.055) ** 2.4)
-    return found.astype(np.float32)
+    return srgb.decoded(shown).astype(np.float32)

@@ -20,6 +20,7 @@ import numpy as np
 import numpy.typing as npt
 from numpy.typing import NDArray
 
+from ..common import srgb
 from ..errors import RefusedError, UsageError
 from ..files.picture_samples import opened, require_pixels, samples
 
@@ -193,11 +194,9 @@ def flattened(image: Any, colour: Rgb = GREY) -> Any:
 
 def linear_light(levels: NDArray[Any]) -> NDArray[np.float64]:
     """sRGB from 0 to 255 as linear light, 0 to 1 (IEC 61966-2-1)."""
-    share = levels / 255
-    return np.where(share <= 0.04045, share / 12.92, ((share + 0.055) / 1.055) ** 2.4)
+    return srgb.decoded(levels / 255)
 
 
 def _encoded(linear: NDArray[np.float64]) -> Pixels:
     """Linear light in [0, 1] to 8-bit sRGB."""
-    share = np.where(linear <= 0.0031308, 12.92 * linear, 1.055 * linear ** (1 / 2.4) - 0.055)
-    return np.rint(255 * share).astype(np.uint8)
+    return np.rint(255 * srgb.encoded(linear)).astype(np.uint8)

@@ -15,6 +15,7 @@ from typing import Any
 import numpy as np
 from numpy.typing import NDArray
 
+from ...common import srgb
 from ..coverage.kernels.width_profiles import Profiles
 from ..view.camera import View
 from .kernels import film as kernel
@@ -136,17 +137,12 @@ def _response(light: NDArray[np.float64], tone: str, exposure: float) -> NDArray
     """Return the 8-bit levels of light before rounding."""
     exposed = np.maximum(light, 0) * 2.0**exposure
     linear = filmic(exposed) if tone == "filmic" else np.minimum(exposed, 1)
-    return 255 * _encoded(linear)
-
-
-def _encoded(linear: NDArray[np.float64]) -> NDArray[np.float64]:
-    """Linear [0, 1] to sRGB."""
-    return np.where(linear <= 0.0031308, 12.92 * linear, 1.055 * linear ** (1 / 2.4) - 0.055)
+    return 255 * srgb.encoded(linear)
 
 
 def _levels(linear: NDArray[np.float64]) -> NDArray[np.uint8]:
     """Linear [0, 1] to 8-bit sRGB."""
-    return np.rint(255 * _encoded(linear)).astype(np.uint8)
+    return np.rint(255 * srgb.encoded(linear)).astype(np.uint8)
 
 
 def gradient(top: NDArray[np.float32], bottom: NDArray[np.float32], height: int) -> NDArray[np.float32]:

@@ -15,6 +15,7 @@ from typing import TYPE_CHECKING
 import numpy as np
 from numpy.typing import NDArray
 
+from ...common import srgb
 from ...errors import UsageError, about, said
 from ...files.inputs import content
 from ...files.picture_samples import MOST, opened, samples
@@ -111,8 +112,7 @@ def _read_picture(path: Path) -> NDArray[np.float64]:
     found = np.empty((*encoded.shape[:2], 3))
     rows = max(1, AT_ONCE // found.shape[1])
     for row in range(0, len(found), rows):
-        light = encoded[row : row + rows, :, :3].astype(np.float64) / 255.0
-        found[row : row + rows] = np.where(light <= 0.04045, light / 12.92, ((light + 0.055) / 1.055) ** 2.4)
+        found[row : row + rows] = srgb.decoded(encoded[row : row + rows, :, :3].astype(np.float64) / 255.0)
     return found
 
 
