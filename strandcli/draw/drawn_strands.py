@@ -59,7 +59,7 @@ class DrawnStrands:
             tones = tones[: strands_needed(scene, at)]
         level = whole = leading = None
         if isinstance(self.children, Children):
-            leading = self.children.lead(positions, lengths, at, self.scratch)
+            leading = self.children.paths_of(positions, lengths, at, self.scratch)
         if self._chooses and leading is not None and ids is not None:
             level, whole = self._choose(scene, at, leading, ids)
             if whole is not None:

@@ -88,9 +88,9 @@ class Children:
     ) -> tuple[NDArray[np.float32], NDArray[np.float32]]:  # fmt: skip
         """Return the children numbered ``ids`` in the order of emission, at a time in seconds: positions (blocks, rows,
         3 W) and segment lengths (blocks, W), from guides in the same layout."""
-        return self.grow_along(self.lead(positions, lengths, at, scratch), ids, scratch)
+        return self.grow_along(self.paths_of(positions, lengths, at, scratch), ids, scratch)
 
-    def lead(
+    def paths_of(
         self, positions: NDArray[np.float32], lengths: NDArray[np.float32], at: float, scratch: Any
     ) -> Leading:  # fmt: skip
         """Return what all children follow at a time in seconds, as `grow` has it. It is valid until it is asked for
@@ -108,7 +108,7 @@ class Children:
         guides, following = Guides(offsets, segments), Following(*self._parents, roots, family.shares)
         numbers, centres = self._centres
         paths = scratch.borrow("clump_paths", (len(numbers), size), np.float32)
-        kernel.lay_paths(guides, following, numbers, paths)
+        kernel.write_paths(guides, following, numbers, paths)
         clumps = Clumps(centres, by_child(family.pulls[self._pulling]), self._ramps(m, size), paths)
         forms = np.array([[wave.round, wave.onset] for wave in self._waves], np.float32).reshape(-1, 2)
         waves = Waves(forms, by_child(family.radii), by_child(family.turns), by_child(family.phases), across)
@@ -117,7 +117,7 @@ class Children:
     def grow_along(
         self, leading: Leading, ids: NDArray[np.int32], scratch: Any
     ) -> tuple[NDArray[np.float32], NDArray[np.float32]]:  # fmt: skip
-        """Return the children numbered ``ids`` as `grow` does, from what `lead` returned."""
+        """Return the children numbered ``ids`` as `grow` does, from what `paths_of` returned."""
         from .kernels import children as kernel
 
         blocks = -(-len(ids) // W)

@@ -12,7 +12,7 @@ from typing import TYPE_CHECKING, Any, NamedTuple
 import numpy as np
 from numpy.typing import NDArray
 
-from ..jit.kept import Arrays, kept
+from ..jit.array_cache import Arrays, cached_arrays
 from ..scene.model import DiscShape, Emitter, MeshShape, PlaneShape
 from .blocks import spatial_order
 from .emit import sides, stream
@@ -78,7 +78,7 @@ class Family(NamedTuple):
 
 def family_of(scene: Scene, groom: Groom, every: Groom, waves: Sequence[Wave]) -> Family:
     """Return the constants of children. ``groom``: the guides; ``every``: the children as emitted, the guides first;
-    ``waves``: those that move anything. They are kept from one run to the next."""
+    ``waves``: those that move anything. They are cached from one run to the next."""
     settings, where, count = scene.children, places_of(scene.emitter, every), every.strands
     assert settings is not None
     levels, moved, used = len(settings.clumps), len(waves), min(PARENTS, groom.strands)
@@ -97,13 +97,13 @@ def family_of(scene: Scene, groom: Groom, every: Groom, waves: Sequence[Wave]) -
         every.directions, every.roots,
     ]  # fmt: skip
     code = CODE
-    arrays = kept("family", code, given, like, lambda: _kept_of(_made(scene, groom, every, waves, where)))
+    arrays = cached_arrays("family", code, given, like, lambda: _cached_of(_made(scene, groom, every, waves, where)))
     found = {name: one.T if name in LEVELS else one for name, one in zip(like, arrays, strict=True)}
     return Family(roots=every.roots[found["ids"]].astype(np.float64), **found)
 
 
-def _kept_of(family: Family) -> list[NDArray[Any]]:
-    """Return the arrays that are kept, as they lie in memory: all but the roots, which are those emitted."""
+def _cached_of(family: Family) -> list[NDArray[Any]]:
+    """Return the arrays that are cached, as they lie in memory: all but the roots, which are those emitted."""
     arrays = family._asdict()
     del arrays["roots"]
     return [np.ascontiguousarray(one.T if name in LEVELS else one) for name, one in arrays.items()]

@@ -27,13 +27,13 @@ def _uncached(**options: Any) -> Any:
     return lambda function: function if config.DISABLE_JIT else Deferred(function, decorate)  # type: ignore[attr-defined]
 
 
-_kept: dict[str, Any] = {"no_cfunc_wrapper": True}
-parallel: Any = _cached(parallel=True, nogil=True, error_model="numpy", **_kept)
+_no_wrapper: dict[str, Any] = {"no_cfunc_wrapper": True}
+parallel: Any = _cached(parallel=True, nogil=True, error_model="numpy", **_no_wrapper)
 """A kernel that a driver calls: its loops run on all threads."""
 
 # without a value of its own, a function would inherit `forceinline` from whichever happens to have it compiled first
 LEAN: dict[str, Any] = {"nogil": True, "error_model": "numpy", "_nrt": False, "forceinline": False}
-function: Any = _cached(**LEAN, **_kept)
+function: Any = _cached(**LEAN, **_no_wrapper)
 """A function that kernels call. Here and below references to arrays are not counted, which may take an atomic step for
 each array and call: the kernel keeps them. So kernels alone take memory, and hand it on; a function may return an array
 in a tuple, but only one that it was given."""

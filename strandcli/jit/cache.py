@@ -35,7 +35,7 @@ from ..compiling.interrupts import interrupts
 from ..compiling.processor import lacking
 from ..compiling.service import claims, service
 from ..compiling.stores import Store
-from . import kept, sources
+from . import array_cache, sources
 
 MAGIC = b"strandcli kernel 1\n"
 SUFFIX = ".kernel"
@@ -177,7 +177,8 @@ def pack_content() -> tuple[dict[str, Any], dict[str, bytes]]:
 
     made = made_with(cpu_target.target_context.codegen())
     whole = {**made, "sources": {module: sources.digest(module) for module in sorted(set(MADE_OF.values()))}}
-    found = {name: folder.cache.load(name, lambda file: file.read()) for name in sorted({*MADE_OF, *kept.FOR_PACKS})}
+    names = sorted({*MADE_OF, *array_cache.FOR_PACKS})
+    found = {name: folder.cache.load(name, lambda file: file.read()) for name in names}
     return whole, {name: data for name, data in found.items() if data is not None}
 
 

@@ -76,7 +76,7 @@ class Profile(event.Listener):
 
 @contextmanager
 def profiled() -> Iterator[Profile]:
-    """A block in which every kernel is compiled anew, in this process, and kept nowhere."""
+    """A block in which every kernel is compiled anew, in this process, and stored nowhere."""
     found, enabled, before = Profile(), service.enabled, (cache.path, [str(one.path) for one in cache.read_only])
     for kind in KINDS:
         event.register(kind, found)

@@ -25,7 +25,7 @@ NOT_COMPILED = frozenset(
         "jit.cache", "jit.dispatcher", "jit.sources", "compiling", "errors",
     )
 )  # fmt: skip
-"""Modules, or all of a package, that decide where kernels are kept and when they are compiled, not what is in them."""
+"""Modules, or all of a package, that decide where kernels are stored and when they are compiled, not what they are."""
 
 
 @functools.cache

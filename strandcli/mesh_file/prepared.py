@@ -15,7 +15,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from ..files.inputs import cached
-from ..jit.kept import FREE, Arrays, kept
+from ..jit.array_cache import FREE, Arrays, cached_arrays
 from ..meshes.bvh import Bvh, DistanceGrid, make_bvh, make_distance_grid, moved
 from ..meshes.mesh import TriangleMesh, Vectors, angles, unit
 from .kernels import arrays as at
@@ -154,7 +154,8 @@ def distances_of(bvh: Bvh, closed: bool, resolution: int) -> DistanceGrid:
         values, low, spacing = make_distance_grid(bvh, closed, resolution)
         return values, np.array(values.shape), low, np.array([spacing])
 
-    values, size, low, spacing = kept("grid", ("strandcli.meshes.bvh",), (*bvh, bool(closed), resolution), like, make)
+    of = *bvh, bool(closed), resolution
+    values, size, low, spacing = cached_arrays("grid", ("strandcli.meshes.bvh",), of, like, make)
     return DistanceGrid(values.reshape(size), low, spacing[0])
 
 
@@ -283,6 +284,6 @@ def that_keeps(table: NDArray[np.int64], arrays: Any) -> NDArray[np.int64]:
     """A copy of a table of addresses. The arrays stay for as long as it does, or any view of it."""
     memory: Any = (ctypes.c_int64 * table.size)()
     memory.keeps = arrays
-    kept = np.frombuffer(memory, np.int64).reshape(table.shape)
-    kept[:] = table
-    return kept
+    copy = np.frombuffer(memory, np.int64).reshape(table.shape)
+    copy[:] = table
+    return copy

@@ -19,7 +19,7 @@ from typing import TYPE_CHECKING, Any
 
 from .. import __version__
 from ..errors import said
-from ..jit import kept
+from ..jit import array_cache
 from ..output.files import prepare_folder, remove_strays
 from ..output.state_file import DamagedError, ForeignError, read_state, write_state
 from .fingerprint import motion_values
@@ -95,7 +95,7 @@ class Checkpoints:
         Raises `RefusedError` where a checkpoint cannot be written."""
         began, self._began = self._began, None
         if frame == 1 and began is not None and time.perf_counter() - began >= LEAST:
-            kept.keep(kept.STATES, self._first_key(solver), solver.state_arrays())
+            array_cache.keep(array_cache.STATES, self._first_key(solver), solver.state_arrays())
         due = self.every > 0 and frame % self.every == 0
         arrays = solver.state_arrays() if self.folder is not None and (due or frame in self._bad) else {}
         if not arrays:
@@ -117,7 +117,7 @@ class Checkpoints:
         if solver.scene.time.preroll <= 0:
             return False
         arrays = solver.state_arrays()
-        state = kept.find(kept.STATES, self._first_key(solver), arrays) if arrays else None
+        state = array_cache.find(array_cache.STATES, self._first_key(solver), arrays) if arrays else None
         try:
             if state is not None:
                 _restore(solver, state, 1)
@@ -130,7 +130,7 @@ class Checkpoints:
         return state is not None
 
     def _first_key(self, solver: Any) -> str:
-        return kept.key_of(kept.STATES, (__name__,), (self.key(solver.scene), solver.groom.strands))
+        return array_cache.key_of(array_cache.STATES, (__name__,), (self.key(solver.scene), solver.groom.strands))
 
     def _frames(self, after: int, last: int) -> Iterable[int]:
         pattern = re.compile(re.escape(self._name) + r"frame_(\d{4,9})\.state")
@@ -171,4 +171,4 @@ def key_of(scene: Scene) -> str:
     from ..simulate.rules import registry
 
     rules = {getattr(registry()[use.name], "__name__", type(registry()[use.name]).__module__) for use in scene.rules}
-    return kept.key_of(FOLDER, (*CODE, *sorted(rules)), (__version__, motion_values(scene)))
+    return array_cache.key_of(FOLDER, (*CODE, *sorted(rules)), (__version__, motion_values(scene)))

@@ -21,7 +21,7 @@ from strandcli.compiling import folder, processor, stores
 from strandcli.compiling.service import service
 from strandcli.errors import UsageError
 from strandcli.jit import cache
-from strandcli.jit.kept import STATES, find, keep, kept, key_of
+from strandcli.jit.array_cache import STATES, cached_arrays, find, keep, key_of
 
 pytestmark = pytest.mark.skipif(bool(config.DISABLE_JIT), reason="nothing is compiled")  # type: ignore[attr-defined]
 
@@ -46,7 +46,7 @@ class Home:
 def home(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> Home:
     monkeypatch.setattr(service, "enabled", False)
     monkeypatch.setattr(cache, "MADE_OF", {})
-    monkeypatch.setattr(cache.kept, "FOR_PACKS", set())
+    monkeypatch.setattr(cache.array_cache, "FOR_PACKS", set())
     monkeypatch.setattr(folder, "SHIPPED", tmp_path / "none")
     return Home(tmp_path, monkeypatch)
 
@@ -91,7 +91,8 @@ def test_arrays_are_computed_for_a_pack_though_they_are_cached(home: Home) -> No
     made: list[int] = []
     for arrays in (True, True, False):
         folder.cache.arrays = arrays
-        kept("table", ("strandcli.constants",), [1], {"a": np.arange(3.0)}, lambda: made.append(1) or [np.arange(3.0)])
+        table = {"a": np.arange(3.0)}
+        cached_arrays("table", ("strandcli.constants",), [1], table, lambda: made.append(1) or [np.arange(3.0)])
     assert len(made) == 2
 
 

@@ -23,7 +23,7 @@ from strandcli.compiling import folder, stores, worker
 from strandcli.compiling.clock import clock
 from strandcli.compiling.service import service
 from strandcli.doctor import NOTE
-from strandcli.jit.kept import kept
+from strandcli.jit.array_cache import cached_arrays
 from strandcli.run import pipeline
 
 pytestmark = pytest.mark.skipif(not hasattr(os, "getuid"), reason="this system has no such owners")
@@ -177,14 +177,14 @@ def test_a_folder_that_cannot_be_written_is_read(owner: str, place: Path, monkey
     like, told = {"a": np.arange(3.0)}, list[str]()
     make = lambda: [np.arange(3.0)]  # noqa: E731
     assert not called()
-    kept("table", ("strandcli.constants",), [1], like, make)
+    cached_arrays("table", ("strandcli.constants",), [1], like, make)
     inner = folder.cache.path
     before = {path.name for path in inner.iterdir()}
     with unwritable(inner, owner, monkeypatch):
         new = begin(monkeypatch)
         new.warn = told.append
         assert called()
-        kept("table", ("strandcli.constants",), [1], like, lambda: pytest.fail("made again"))
+        cached_arrays("table", ("strandcli.constants",), [1], like, lambda: pytest.fail("made again"))
         assert ([one.path for one in new.read_only], told) == ([inner], [])
         (found,) = doctor.kernels()
         assert "1 kernel or module" not in found.text

@@ -71,7 +71,7 @@ def write_strands(waves, solids, solid, paths, size, scratch, out, b, k):
     """Write strands to the lanes from k on of block b of out (blocks, m + 1, 3 W), metres, with row 0 one segment
     before the root: with waves, segments as long as at rest, and outside of solids.
 
-    solid: whether there are solids; paths: rows of ``size`` numbers, one a lane, as `lay_path` writes them; scratch:
+    solid: whether there are solids; paths: rows of ``size`` numbers, one a lane, as `write_path` writes them; scratch:
     that of `load_children`.
     """
     x, own = pointer(out), pointer(scratch)

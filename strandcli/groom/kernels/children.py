@@ -62,11 +62,11 @@ def refine(positions, steps, out):
 
 
 @parallel
-def lay_paths(guides, following, numbers, out):
+def write_paths(guides, following, numbers, out):
     """Write the paths of children by their numbers (K,) int32, along their guides, to out (K, S), as
     `Clumps.paths`."""
     for c in prange(out.shape[0]):
-        lay_path(guides, following, np.uint64(numbers[c]), pointer(out), np.int64(c) * out.shape[1])
+        write_path(guides, following, np.uint64(numbers[c]), pointer(out), np.int64(c) * out.shape[1])
 
 
 @parallel
@@ -86,26 +86,26 @@ def grow(guides, own, following, clumps, waves, solids, out, lengths):
         for k in range(0, W, lane_count(paths)):
             for lane in range(lane_count(paths)):
                 i = np.uint64(own[min(b * W + k + lane, own.shape[0] - 1)])
-                lay_path(guides, following, i, paths, lane * size)
+                write_path(guides, following, i, paths, lane * size)
                 pull_path(clumps, i, paths, lane * size)
             write_strands(waves, solids, count_solids(solids) > 0, paths, size, scratch, out, b, k)
         work[0] = ZERO  # an array that is not named any more is freed, and `paths` does not name it
 
 
 @device
-def lay_path(guides, following, i, rows, o):
+def write_path(guides, following, i, rows, o):
     """Write the path of child i along its guides to rows from place o on, as a row of `Guides.offsets`, in metres from
     the origin."""
     step = lane_count(rows)
     a, b, c = load_triple(pointer(following.roots), np.int64(i) * 3)
-    lay_third(guides, following, i, rows, o, 0, a)
-    lay_third(guides, following, i, rows, o, step, b)
-    lay_third(guides, following, i, rows, o, 2 * step, c)
+    write_third(guides, following, i, rows, o, 0, a)
+    write_third(guides, following, i, rows, o, step, b)
+    write_third(guides, following, i, rows, o, 2 * step, c)
 
 
 @inlined
-def lay_third(guides, following, i, rows, o, begin, root):
-    """`lay_path` of every third vector from place ``begin`` of the row on; root: the child's root in these."""
+def write_third(guides, following, i, rows, o, begin, root):
+    """`write_path` of every third vector from place ``begin`` of the row on; root: the child's root in these."""
     every = pointer(guides.offsets)
     size, step = guides.offsets.shape[1], 3 * lane_count(rows)
     first = np.int64(following.parents[i, np.uint64(0)]) * size

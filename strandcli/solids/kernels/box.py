@@ -133,7 +133,7 @@ def segment_depth(p, m, start, edge):
 def deepest_place(p, m, start, edge, first):
     """Return the depth of the deepest place of a segment, from a share ``first`` of it on, and where that is. Depths
     below the six faces are linear along the segment, so their minimum is greatest at an end, midway between opposite
-    faces, or at equal distances from two others."""
+    faces, or at equal distances from two solids."""
     x, y, z = start[0] - p[m + X], start[1] - p[m + Y], start[2] - p[m + Z]
     u, v, w = own(p, m, 0, x, y, z), own(p, m, 1, x, y, z), own(p, m, 2, x, y, z)
     du, dv = own(p, m, 0, edge[0], edge[1], edge[2]), own(p, m, 1, edge[0], edge[1], edge[2])

@@ -36,7 +36,7 @@ class Kind(NamedTuple):
 
 def composed(module: str, name: str, kinds: Sequence[Kind]) -> tuple[Any, Any, Any]:
     """The classes of named tuples of a module: of solids of these kinds with the arrays of their shapes, of `Solids`
-    and these, and of the same where there are no others. Functions are attributes of the first."""
+    and these, and of the same where there are only built-in ones. Functions are attributes of the first."""
     fields = [
         [f"data_{place}_{field}" for field in one.data._fields] if one.data else [] for place, one in enumerate(kinds)
     ]
@@ -154,8 +154,8 @@ def _meets(meets: Any, given: Any) -> Any:
 
 
 def _hides(hides: Any, given: Any) -> Any:
-    def found(p, m, x, y, z, way, reach, skin):
-        u, v, w, a, b, c = ray_in_own(p, m, x, y, z, way[0], way[1], way[2])
+    def found(p, m, x, y, z, direction, reach, skin):
+        u, v, w, a, b, c = ray_in_own(p, m, x, y, z, direction[0], direction[1], direction[2])
         return hides(u, v, w, a, b, c, reach, skin, *given(p, m))
 
     return found

@@ -179,17 +179,19 @@ visibility, visibility_alone = (
 
 
 def parts_of(form):
-    """The parts of the way through a solid's ball that a search for its edge looks at, at the least."""
+    """The parts of the path through a solid's ball that a search for its edge looks at, at the least."""
     return soft_edge.FINE_ACROSS if form.detailed else soft_edge.ACROSS
 
 
-@by_form(lambda solids, x, y, z, way, light: soft_edge.CLEAR)
+@by_form(lambda solids, x, y, z, direction, light: soft_edge.CLEAR)
 def lowest_sine(form):
     """`soft_edge.least_sine` of all of these; `CLEAR` where they take vectors."""
     among, parts = form.among, parts_of(form)
     if form.distances_in_own:
-        return lambda solids, x, y, z, way, light: soft_edge.CLEAR
-    return lambda solids, x, y, z, way, light: soft_edge.least_sine_of_all(parts, among(solids), x, y, z, way, light)
+        return lambda solids, x, y, z, direction, light: soft_edge.CLEAR
+    return lambda solids, x, y, z, direction, light: soft_edge.least_sine_of_all(
+        parts, among(solids), x, y, z, direction, light
+    )
 
 
 least_distance = one_by_one(field.least_distance_of_all, lambda solids, x, y, z: INF)
@@ -214,21 +216,21 @@ nearest_slope = of_custom(
 
 
 @by_form(
-    lambda solids, m, point, way, light: (
-        (point[0], point[1], point[2], way[0], way[1], way[2]), light[0], light[0]
+    lambda solids, m, point, direction, light: (
+        (point[0], point[1], point[2], direction[0], direction[1], direction[2]), light[0], light[0]
     ), "distances_in_own", inline=True,
 )  # fmt: skip
 def begin_walk(form):
     """`soft_edge.begin` of number m of these; nothing to walk where they have no distances of vectors."""
     among, parts = form.among, parts_of(form)
-    return lambda solids, m, point, way, light: soft_edge.begin(parts, among(solids), m, point, way, light)
+    return lambda solids, m, point, direction, light: soft_edge.begin(parts, among(solids), m, point, direction, light)
 
 
-@by_form(lambda solids, m, some, others, most: (some[1], some[3], others[1], others[3]), "distances_in_own")
+@by_form(lambda solids, m, some, rest, most: (some[1], some[3], rest[1], rest[3]), "distances_in_own")
 def walk(form):
     """`soft_edge.walk` of number m of these."""
     among, parts = form.among, parts_of(form)
-    return lambda solids, m, some, others, most: soft_edge.walk(parts, among(solids), m, some, others, most)
+    return lambda solids, m, some, rest, most: soft_edge.walk(parts, among(solids), m, some, rest, most)
 
 
 @by_form(lambda solids, m, ray, most: (ray[1], ray[3]), "distances_in_own")

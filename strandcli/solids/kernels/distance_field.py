@@ -28,7 +28,7 @@ STEPS = 256
 NEAR = np.float32(1e-4)
 """Share of a solid's reach within which a ray has met its surface."""
 FINE = np.float32(1e-3)
-"""Half the way over which a gradient is measured, as a share of the reach."""
+"""Half the distance over which a gradient is measured, as a share of the reach."""
 ROUNDS = 4
 """Steps of a point or a segment on its way out, at the most: one is enough for an exact distance or a flat face."""
 FAR = np.float32(4.0)
@@ -49,7 +49,7 @@ def of_class(name: str, inline: bool = False) -> Any:
 distance_in_own, normal, meet, hides = map(of_class, ("distance_in_own", "normal", "meet", "hides"))
 """(p, m, u, v, w): distance of a point, in the frame of solid m. (p, m, x, y, z): unit outward normal where the surface
 is nearest to a point. (p, m, x, y, z, dx, dy, dz, end): where a ray that begins outside meets it, in units of |d|; inf
-where it does not up to `end`. (p, m, x, y, z, way, reach, skin): whether it stands between a point and a light."""
+where it does not up to `end`. (p, m, x, y, z, direction, reach, skin): whether it stands between a point and a light."""
 meets, look, drift = map(of_class, ("meets", "look", "drift"))
 """(p, m, rays, found), (p, m, x, y, z, eye, width, before), (p, m, x, y, z): as `SolidShape` has them, the last two in
 the world."""
@@ -201,10 +201,10 @@ def trace(p, m, ox, oy, oz, dx, dy, dz):
     return t + meet(p, m, x, y, z, dx, dy, dz, end - t)
 
 
-def hides_by_distance(p, m, x, y, z, way, reach, skin):
+def hides_by_distance(p, m, x, y, z, direction, reach, skin):
     """Whether solid m stands between a point, already `skin` off its own place, and a light at ``reach`` along the unit
-    vector ``way``. A point on the surface, or within `skin` under it, has to come clear of that first."""
-    lx, ly, lz = way
+    vector ``direction``. A point on the surface, or within `skin` under it, has to come clear of that first."""
+    lx, ly, lz = direction
     t, end = through(p, m, x, y, z, lx, ly, lz)
     end = min(end, reach)
     near = NEAR * number(p, m, REACH)

@@ -24,7 +24,7 @@ from .distance_field import (
 )  # fmt: skip
 
 ACROSS = 64
-"""Parts of the way through a solid's ball that a search for its edge looks at, at the least."""
+"""Parts of the path through a solid's ball that a search for its edge looks at, at the least."""
 FINE_ACROSS = 256
 """The same for shapes with data, which have more detail."""
 CLEAR = np.float32(2.0)
@@ -34,15 +34,15 @@ SLOW = np.float32(1e-3)
 
 
 @inlined
-def least_sine(parts, p, m, x, y, z, way, light):
+def least_sine(parts, p, m, x, y, z, direction, light):
     """Sine of the least angle between a unit vector and the edge of solid m, less `skin`, as seen from a point: the
     least of its distance over the distance travelled.
 
     light: the distance to the light, the sine of its angular radius, and `skin`. Steps are half the distance from the
-    solid, or as far as the cone about the light is certainly free of it, and at least a share 1 / ``parts`` of the way
+    solid, or as far as the cone about the light is certainly free of it, and at least a share 1 / ``parts`` of the path
     through the solid's ball. What is below minus the radius is some such sine, and what is above it, too: all of the
     light is hidden, or none."""
-    lx, ly, lz = way
+    lx, ly, lz = direction
     reach, radius, skin = light
     cx = number(p, m, X) - x
     cy = number(p, m, Y) - y
@@ -63,21 +63,21 @@ def least_sine(parts, p, m, x, y, z, way, light):
 
 
 @inlined
-def least_sine_of_all(parts, p, x, y, z, way, light):
+def least_sine_of_all(parts, p, x, y, z, direction, light):
     """`least_sine` of all of these solids, until one hides all of the light."""
     least = CLEAR
     for m in range(p.rows.shape[0]):
         if least > -light[1]:
-            least = min(least, least_sine(parts, p, m, x, y, z, way, light))
+            least = min(least, least_sine(parts, p, m, x, y, z, direction, light))
     return least
 
 
 @inlined
-def free_from(box, point, way, radius):
+def free_from(box, point, direction, radius):
     """How far along unit vectors the cones of light about them, ``radius`` the sines of their half angles, are free of
     a solid within a `box` from there on: past a face, and going away from it faster than they widen."""
     u, v, w = point
-    du, dv, dw = way
+    du, dv, dw = direction
     x = past_face(box[0], box[3], u, du, radius)
     y = past_face(box[1], box[4], v, dv, radius)
     return min(min(x, y), past_face(box[2], box[5], w, dw, radius))
@@ -92,11 +92,11 @@ def past_face(low, high, at, along, radius):
 
 
 @inlined
-def begin(parts, p, m, point, way, light):
+def begin(parts, p, m, point, direction, light):
     """Of vectors of rays, in the frame of solid m: where they begin and their directions, six numbers; and the first
     and the last place of `walk`, where the cones have left the solid's `bounds` for good."""
     x, y, z = point
-    lx, ly, lz = way
+    lx, ly, lz = direction
     reach, radius, _ = light
     middle = (number(p, m, X) - x) * lx + (number(p, m, Y) - y) * ly + (number(p, m, Z) - z) * lz
     u, v, w = own(p, m, x, y, z)
@@ -107,12 +107,12 @@ def begin(parts, p, m, point, way, light):
 
 
 @inlined
-def walk(parts, p, m, some, others, most):
+def walk(parts, p, m, some, rest, most):
     """`least_sine` of two vectors of rays at once, as each step waits for the one before, in so many steps at the most:
     where they have come to, and the least angles. Of each: `begin`'s first three; the least angle so far, below minus
     the radius of which there is nothing to look for; and the light."""
     one, s, s_end, s_least, s_light = some
-    two, t, t_end, t_least, t_light = others
+    two, t, t_end, t_least, t_light = rest
     step = step_of(p, m, parts)
     for _ in range(most):
         s_on = (s < s_end) & (s_least > -s_light[1])

@@ -20,8 +20,8 @@ from strandcli.compiling.clock import clock
 from strandcli.groom import family
 from strandcli.groom.children import Children
 from strandcli.groom.emit import emit
-from strandcli.jit import kept as keeping
-from strandcli.jit.kept import FREE, kept
+from strandcli.jit import array_cache as keeping
+from strandcli.jit.array_cache import FREE, cached_arrays
 from strandcli.mesh_file import prepared
 from strandcli.meshes.bvh import make_bvh, make_distance_grid
 from strandcli.meshes.make import make_mesh
@@ -33,7 +33,7 @@ from strandcli.scene import Scene
 from tests.run.test_checkpoints import SMALL, Steps, alike
 
 LIKE = {FREE + "many": np.empty(0, np.float32), "few": np.empty((2, 2))}
-CODE = ("strandcli.jit.kept",)
+CODE = ("strandcli.jit.array_cache",)
 
 
 @pytest.fixture(autouse=True)
@@ -63,7 +63,7 @@ def numbers(value: float = 1.0) -> Iterable[NDArray[Any]]:
 
 
 def get(make: Callable[[], Iterable[NDArray[Any]]] = numbers, of: Any = "this") -> list[NDArray[Any]]:
-    return kept("some", CODE, (of, np.arange(3)), LIKE, make)
+    return cached_arrays("some", CODE, (of, np.arange(3)), LIKE, make)
 
 
 def test_what_was_made_is_read_and_follows_what_it_is_made_of(place: Path, monkeypatch: pytest.MonkeyPatch) -> None:
@@ -143,7 +143,7 @@ def same(one: Any, other: Any) -> None:
         assert (np.asarray(a).dtype, np.shape(a)) == (np.asarray(b).dtype, np.shape(b))
 
 
-def require_kept(
+def require_cached(
     patch: pytest.MonkeyPatch, get: Callable[[], Any], maker: tuple[Any, str], *others: Callable[[], Any]
 ) -> None:
     """Fail where what was made is not read with its bits and layout, and what follows from other inputs not made.
@@ -162,7 +162,7 @@ def test_distances_have_the_bits_of_those_that_are_made(place: Path, monkeypatch
     mesh = make_mesh(*sphere())
     bvh = make_bvh(mesh.vertices, mesh.triangles)
     same(prepared.distances_of(bvh, mesh.closed, 24), make_distance_grid(bvh, mesh.closed, 24))
-    require_kept(
+    require_cached(
         monkeypatch, lambda: prepared.distances_of(bvh, mesh.closed, 24), (prepared, "make_distance_grid"),
         lambda: prepared.distances_of(bvh, mesh.closed, 25), lambda: prepared.distances_of(bvh, not mesh.closed, 24),
     )  # fmt: skip
@@ -182,7 +182,7 @@ def test_what_children_follow_has_the_bits_and_the_layout_of_what_is_made(
     make = family._made
     monkeypatch.setattr(family, "_made", lambda *given: computed.append(make(*given)) or computed[0])
     same(found(), computed[0])
-    require_kept(
+    require_cached(
         monkeypatch, found, (family, "_made"), lambda: found(seed=1), lambda: found(**{"children.cut": 0.3}),
         lambda: found(**{"emitter.strands": 80}),
     )  # fmt: skip
@@ -192,10 +192,10 @@ def scene_of(name: str = "hair", **more: Any) -> Scene:
     return strandcli.load(name, settings={**SMALL, "time.preroll": 0.5, **more})
 
 
-def run(scene: Scene, frames: list[int], kept: Any = None, **more: Any) -> tuple[list[Frame], int]:
+def run(scene: Scene, frames: list[int], checkpoints: Any = None, **more: Any) -> tuple[list[Frame], int]:
     """Frames, and how many steps were simulated."""
     with Steps() as steps:
-        found = list(render(scene, frames, threads=1, keep_positions=True, checkpoints=kept, **more))
+        found = list(render(scene, frames, threads=1, keep_positions=True, checkpoints=checkpoints, **more))
     return found, steps.count
 
 

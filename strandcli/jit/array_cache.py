@@ -22,7 +22,7 @@ from numpy.typing import NDArray
 from ..compiling import folder
 from ..output.state_file import FREE, state_of, state_pieces
 
-__all__ = ["FREE", "Arrays", "find", "keep", "kept", "key_of"]
+__all__ = ["FREE", "Arrays", "cached_arrays", "find", "keep", "key_of"]
 
 SUFFIX = ".arrays"
 STATES = "first-frame"
@@ -37,7 +37,7 @@ SETTINGS = ("NPY_DISABLE_CPU_FEATURES", "NPY_ENABLE_CPU_FEATURES", "OPENBLAS_COR
 Arrays = Mapping[str, NDArray[Any]]
 
 
-def kept(
+def cached_arrays(
     kind: str, code: Sequence[str], of: Iterable[Any], like: Arrays, make: Callable[[], Iterable[NDArray[Any]]]
 ) -> list[NDArray[Any]]:
     """The arrays that ``make`` computes, or a file's where there is one.
@@ -62,7 +62,7 @@ def kept(
 
 
 def find(kind: str, key: str, like: Arrays) -> Arrays | None:
-    """The arrays that are kept under a key (see `key_of`), if there are such, of the types and shapes of ``like``."""
+    """The arrays that are cached under a key (see `key_of`), if there are such, of the types and shapes of ``like``."""
     if folder.cache.keeps_nothing or not folder.cache.arrays:
         return None
     return folder.cache.load(_name(kind, key), lambda file: state_of(file, key, like))
@@ -81,7 +81,7 @@ def _name(kind: str, key: str) -> str:
 
 
 def key_of(kind: str, code: Sequence[str], of: Iterable[Any]) -> str:
-    """64 hexadecimal digits: the hash of all that the bits of what is kept follow from."""
+    """64 hexadecimal digits: the hash of all that the bits of what is cached follow from."""
     from . import sources
 
     whole = hashlib.sha256(repr([kind, [sources.digest(one) for one in code], _machine()]).encode())
