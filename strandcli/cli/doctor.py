@@ -62,12 +62,12 @@ def _calibrate(talk: Talk) -> None:
     runtime.start(1)
     with talk.progress(1, "calibration") as progress:
         found = calibration.measure(progress.note)
-    kept = calibration.write(found)
+    stored = calibration.write(found)
     if talk.as_json:
-        talk.data({"factor": found.factor, "measured": found.measured, "kept": kept})
+        talk.data({"factor": found.factor, "measured": found.measured, "kept": stored})
     elif not talk.quiet:
         say(
             f"frames take {found.factor:.2f} times as long here as where they were measured for docs/speed.md", err=True
         )
-        if not kept:
+        if not stored:
             say(f"warning: that cannot be stored: {cache.trouble}", err=True)

@@ -140,7 +140,7 @@ def _run(
     from ..run import checkpoints
 
     warn = warner(progress, quiet, report.warn)
-    _warn_of_others(writer, warn)
+    _warn_of_foreign(writer, warn)
     for words in report.plan_warnings:
         warn(words)
     before = runtime.compile_seconds()  # a study may have compiled already
@@ -148,13 +148,13 @@ def _run(
     started = False
     try:
         with writer:
-            kept = checkpoints.of_run(writer.directory, motion.checkpoint, warn, progress.note)
+            past = checkpoints.of_run(writer.directory, motion.checkpoint, warn, progress.note)
             if writer.wanted:
                 if not scene.panels:  # before Numba is imported here, which takes half a second
                     service.ahead(scene, threads)
                 runtime.start(threads, progress.note)
                 started = True
-                for frame in frames_of(scene, writer.wanted, motion, threads, kept, progress, warn):
+                for frame in frames_of(scene, writer.wanted, motion, threads, past, progress, warn):
                     report.add(frame.number, frame.report)
                     if frame.image is not None:  # it is, where draw is not turned off
                         writer.submit(frame.number, frame.image, frame.aovs)
@@ -178,14 +178,14 @@ def _run(
     return data
 
 
-def _warn_of_others(writer: FrameWriter, warn: Callable[[str], None]) -> None:
+def _warn_of_foreign(writer: FrameWriter, warn: Callable[[str], None]) -> None:
     """Warn where the folder holds frames of another scene or other settings, which this run leaves there."""
     from ..output.report import of_another_film, read_report
 
     numbers = (*writer.wanted, *writer.written)
-    others = of_another_film(writer.directory, writer.scene, read_report(writer.directory), numbers)
-    if others:
-        there = f"{counted(len(others), 'frame')} there of another scene or other settings, such as {others[0]}"
+    foreign = of_another_film(writer.directory, writer.scene, read_report(writer.directory), numbers)
+    if foreign:
+        there = f"{counted(len(foreign), 'frame')} there of another scene or other settings, such as {foreign[0]}"
         warn(f"{writer.directory}: {there}; choose another folder with -o")
 
 
@@ -198,7 +198,7 @@ def _report(
 ) -> dict[str, Any]:
     """Write report.json, with what it says there of frames that this run has not drawn."""
     from ..output.claim import Claim
-    from ..output.report import PATIENCE, finite, of_others, read_report, write_report
+    from ..output.report import PATIENCE, finite, foreign_entries, read_report, write_report
 
     claim, data = None, {}
     try:
@@ -206,8 +206,8 @@ def _report(
         previous = read_report(writer.directory)
         if machine is None and previous is not None:
             machine = previous.get("machine")
-        others = of_others(writer.directory, writer.scene, previous, writer.written)
-        data = finite(report.as_dict(status, writer.written, machine, compile_seconds, previous, others))
+        foreign = foreign_entries(writer.directory, writer.scene, previous, writer.written)
+        data = finite(report.as_dict(status, writer.written, machine, compile_seconds, previous, foreign))
         write_report(writer.directory, data)
     except StrandError:
         if status == "complete":  # else what ended the run says more

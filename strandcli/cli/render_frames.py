@@ -39,7 +39,7 @@ class Motion(NamedTuple):
 
 
 def frames_of(
-    scene: Scene, numbers: tuple[int, ...], motion: Motion, threads: int | None, kept: Checkpoints | None,
+    scene: Scene, numbers: tuple[int, ...], motion: Motion, threads: int | None, earlier: Checkpoints | None,
     progress: Progress, warn: Callable[[str], None],
 ) -> Iterator[Frame]:  # fmt: skip
     """Frames as they are done."""
@@ -48,14 +48,14 @@ def frames_of(
 
         return frames_of_cluster(
             scene, numbers, motion.dask, motion.positions, threads, signals.check, progress.note, warn,
-            keep_going=motion.keep_going, checkpoints=kept,
+            keep_going=motion.keep_going, checkpoints=earlier,
         )  # fmt: skip
     from ..run import pipeline
 
     return pipeline.render(
         scene, numbers, threads=threads, positions=motion.positions, keep_going=motion.keep_going,
         notify=progress.note, warn=warn,
-        checkpoints=kept,
+        checkpoints=earlier,
     )  # fmt: skip
 
 
@@ -157,9 +157,9 @@ def frame_line(number: int, report: Mapping[str, Any]) -> str:
 
 
 def tell(data: Mapping[str, Any], writer: FrameWriter, made: list[Path]) -> None:
-    """Print what a run made, how long it took and what it kept."""
+    """Print what a run made, how long it took and what it retained."""
     drawn = len(writer.wanted)
-    kept = len(writer.written) - drawn
+    earlier = len(writer.written) - drawn
     totals = data["totals"]
     words = f"{writer.directory}: {counted(drawn, 'frame')} in {_seconds(totals['seconds'])}"
     compiling = data["compile_seconds"] or 0.0
@@ -168,15 +168,15 @@ def tell(data: Mapping[str, Any], writer: FrameWriter, made: list[Path]) -> None
     drawing = totals["seconds"] - compiling
     if drawn > 1 and drawing > 0:
         words += f": {pace(drawn, drawing)}"
-    if kept:
-        words += f"; {kept} kept"
+    if earlier:
+        words += f"; {earlier} kept"
     for path in made:
         words += f"; {path.name}"
     say(f"{words}; {_written(writer, made)}", err=True)
 
 
 def _written(writer: FrameWriter, made: list[Path]) -> str:
-    """What the frames' files take, kept ones too, with their layers and the animations."""
+    """What the frames' files take, retained ones too, with their layers and the animations."""
     from ..output.files import megabytes
     from ..output.layers import layer_files
 

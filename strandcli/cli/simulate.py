@@ -85,5 +85,5 @@ def command(
         finally:
             data = writer.write_manifest(label, scene.sha256, scene.time.fps, status)
     talk.data(data)
-    kept = f"; {len(writer.kept)} kept" if writer.kept else ""
-    talk.note(f"{output}: {counted(len(writer.wanted), 'frame')} of positions{kept}")
+    earlier = f"; {len(writer.earlier)} kept" if writer.earlier else ""
+    talk.note(f"{output}: {counted(len(writer.wanted), 'frame')} of positions{earlier}")

@@ -91,8 +91,8 @@ def command(
     if measured is not None and not talk.as_json:
         click.echo(_table(data["profile"]))
     if measured is None:
-        told = f"compiled for {seconds:.1f} s" if seconds else "everything was compiled already"
-        talk.note(f"warmup: {told}; kernels are in {cache.path}")
+        done = f"compiled for {seconds:.1f} s" if seconds else "everything was compiled already"
+        talk.note(f"warmup: {done}; kernels are in {cache.path}")
         if pack is not None:
             there = data["pack"]
             begun = f" and {counted(there['states'], 'settled first frame')}" if there["states"] else ""

@@ -27,10 +27,10 @@ def available_memory() -> int | None:
     return min(found, default=None)
 
 
-def folders(controller: str, root: Path = ROOT, told: Path = Path("/proc/self/cgroup")) -> Iterator[Path]:
+def folders(controller: str, root: Path = ROOT, group: Path = Path("/proc/self/cgroup")) -> Iterator[Path]:
     """Folders of this process's group and of those that it is in, of either version."""
     try:
-        lines = told.read_text(encoding="utf-8").splitlines()
+        lines = group.read_text(encoding="utf-8").splitlines()
     except OSError:
         lines = []
     for line in lines:
@@ -47,10 +47,10 @@ def cores() -> int:
     return len(os.sched_getaffinity(0)) if hasattr(os, "sched_getaffinity") else os.cpu_count() or 1
 
 
-def quota(root: Path = ROOT, told: Path = Path("/proc/self/cgroup")) -> float | None:
+def quota(root: Path = ROOT, group: Path = Path("/proc/self/cgroup")) -> float | None:
     """Cores' worth of time that the process may use; None where there is no such limit."""
     found = []
-    for folder in folders("cpu", root, told):
+    for folder in folders("cpu", root, group):
         words = _read(folder / "cpu.max").split() or [
             _read(folder / "cpu.cfs_quota_us"), _read(folder / "cpu.cfs_period_us")
         ]  # fmt: skip
@@ -59,19 +59,19 @@ def quota(root: Path = ROOT, told: Path = Path("/proc/self/cgroup")) -> float | 
     return min(found, default=None)
 
 
-def memory(root: Path = ROOT, told: Path = Path("/proc/self/cgroup")) -> int | None:
+def memory(root: Path = ROOT, group: Path = Path("/proc/self/cgroup")) -> int | None:
     """Bytes of memory that the process's groups may hold; None where there is no such limit."""
-    return min((limit for limit, _ in _memory(root, told)), default=None)
+    return min((limit for limit, _ in _memory(root, group)), default=None)
 
 
-def memory_left(root: Path = ROOT, told: Path = Path("/proc/self/cgroup")) -> int | None:
+def memory_left(root: Path = ROOT, group: Path = Path("/proc/self/cgroup")) -> int | None:
     """Bytes that the process's groups may still take; None where there is no such limit."""
-    return min((limit - int(used) for limit, used in _memory(root, told) if used.isdigit()), default=None)
+    return min((limit - int(used) for limit, used in _memory(root, group) if used.isdigit()), default=None)
 
 
-def _memory(root: Path, told: Path) -> Iterator[tuple[int, str]]:
+def _memory(root: Path, group: Path) -> Iterator[tuple[int, str]]:
     """The limit of each group, bytes, and what it says that it holds."""
-    for folder in folders("memory", root, told):
+    for folder in folders("memory", root, group):
         word = _read(folder / "memory.max") or _read(folder / "memory.limit_in_bytes")
         if word.isdigit() and int(word) < UNLIMITED:
             yield int(word), _read(folder / "memory.current") or _read(folder / "memory.usage_in_bytes")

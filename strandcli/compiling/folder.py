@@ -48,7 +48,7 @@ class Folder:
         self._trouble: str | None = None
         self._read_only: list[Store] = []
         self._refused: list[str] = []
-        self._told: set[str] = set()
+        self._reported: set[str] = set()
         self.arrays = True
         """Whether arrays are read, or all are computed, as in a new home."""
         self.warn: Callable[[str], None] | None = None
@@ -121,8 +121,8 @@ class Folder:
 
     def tell(self, words: str) -> None:
         """Hand a line to `warn`, once."""
-        if self.warn is not None and words not in self._told:
-            self._told.add(words)
+        if self.warn is not None and words not in self._reported:
+            self._reported.add(words)
             self.warn(words)
 
     def _opened(self, paths: Iterable[str]) -> list[Store]:
@@ -168,15 +168,15 @@ class Folder:
             if not folder.is_dir():
                 base.mkdir(mode=0o700, parents=True, exist_ok=True)
                 folder.mkdir(mode=0o700, exist_ok=True)
-            others = writers(folder.stat())
-            if not others and _is_writable(folder):
+            writable_by = writers(folder.stat())
+            if not writable_by and _is_writable(folder):
                 with contextlib.suppress(OSError):
                     os.utime(folder)
                     sweep(base, folder)
                 return folder
-            if others:
+            if writable_by:
                 self._trouble = (
-                    f"{folder}: kernels that lie there are not run, for {others}: every run will compile anew; "
+                    f"{folder}: kernels that lie there are not run, for {writable_by}: every run will compile anew; "
                     f"'chmod go-w {folder}' where it is yours, or point STRANDCLI_CACHE_DIR at a folder of your own"
                 )
             else:
@@ -229,8 +229,8 @@ def _read_only(path: Path) -> Store:
     inner = path / f"kernels-{__version__}"
     path = inner if inner.is_dir() else path
     found = path.stat()
-    if others := writers(found, found.st_uid):
-        raise PackError(f"{others}: 'chmod go-w {path}' where it is yours")
+    if writable_by := writers(found, found.st_uid):
+        raise PackError(f"{writable_by}: 'chmod go-w {path}' where it is yours")
     with os.scandir(path):  # which needs the right to read it
         return FolderStore(path, getattr(found, "st_uid", None))
 

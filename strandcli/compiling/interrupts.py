@@ -19,7 +19,7 @@ class Interrupts:
         self._waiting: BaseException | type[BaseException] | None = None
 
     @contextmanager
-    def held(self) -> Iterator[None]:
+    def deferred(self) -> Iterator[None]:
         """What a handler raises waits for the end of this block; on other threads no handler runs."""
         if threading.current_thread() is not threading.main_thread():
             yield
@@ -33,7 +33,7 @@ class Interrupts:
 
     @contextmanager
     def allowed(self) -> Iterator[None]:
-        """Within `held`: here it may be raised after all."""
+        """Within `deferred`: here it may be raised after all."""
         if threading.current_thread() is not threading.main_thread():
             yield
             return

@@ -117,7 +117,7 @@ class Service:
                 return False
             try:
                 worker.send("compile", function.__module__, function.__qualname__, request, entry)
-                told = worker.answer()
+                answer = worker.answer()
             except BaseException as error:
                 self._first = None
                 worker.stop()
@@ -125,9 +125,9 @@ class Service:
                     raise
                 self._fail()
                 return False
-        if told == "lost":  # the disk is full, or Numba has settings here that the worker does not know
+        if answer == "lost":  # the disk is full, or Numba has settings here that the worker does not know
             self._fail()
-        return bool(told == "done")
+        return bool(answer == "done")
 
     def ahead(self, scene: Scene, threads: int | None) -> None:
         """Have the kernels of a scene's frame compiled from its end by the workers but the first, from the first kernel
@@ -137,16 +137,16 @@ class Service:
 
     def _begin_ahead(self, scene: Scene, most: int) -> None:
         self._pending = None
-        others = min(most_workers(), most) - 1
-        if not self._usable() or others < 1 or self._ahead:
+        spare = min(most_workers(), most) - 1
+        if not self._usable() or spare < 1 or self._ahead:
             return
         try:
             data = pickle.dumps(scene)
             self._worker_on_demand(preload=True)
-            for number in range(min(others, len(PARTS))):
+            for number in range(min(spare, len(PARTS))):
                 worker = Worker(preload=True)
                 self._ahead.append(worker)
-                worker.send("ahead", data, PARTS[number::others])
+                worker.send("ahead", data, PARTS[number::spare])
         except Exception:  # a scene with rules of this process alone
             self.stop_ahead()
 
@@ -215,7 +215,7 @@ class Claims:
 
     def __init__(self) -> None:
         self._file: tuple[Path, int] | None = None
-        self._held: list[int] = []
+        self._locked: list[int] = []
 
     def take(self, folder: Path, key: bytes) -> None:
         """Wait until no other process compiles this entry, and claim it.
@@ -223,20 +223,20 @@ class Claims:
         Two processes that would wait for each other do not: the system refuses the second, which goes on unclaimed.
         """
         place = int.from_bytes(key[:7], "big")
-        if fcntl is None or place in self._held:
+        if fcntl is None or place in self._locked:
             return
         with contextlib.suppress(OSError):
             fcntl.lockf(self._open(folder), fcntl.LOCK_EX, 1, place)
-            self._held.append(place)
+            self._locked.append(place)
 
     def count(self) -> int:
         """How many this process has."""
-        return len(self._held)
+        return len(self._locked)
 
     def release(self, count: int) -> None:
         """Give back all but the first ``count``."""
-        while len(self._held) > count:
-            place = self._held.pop()
+        while len(self._locked) > count:
+            place = self._locked.pop()
             if fcntl is not None and self._file is not None:
                 with contextlib.suppress(OSError):
                     fcntl.lockf(self._file[1], fcntl.LOCK_UN, 1, place)

@@ -77,8 +77,8 @@ class FolderStore(Store):
             status = os.fstat(file.fileno())
             if not stat.S_ISREG(status.st_mode):
                 raise ValueError("it is no file")
-            if others := writers(status, self._owner):
-                raise ValueError(others)
+            if writable_by := writers(status, self._owner):
+                raise ValueError(writable_by)
             if status.st_mtime < time.time() - DAY:
                 with contextlib.suppress(OSError):
                     os.utime(path)
@@ -176,8 +176,8 @@ def _content(path: Path) -> bytes:
         status = os.fstat(file.fileno())
         if not stat.S_ISREG(status.st_mode) or status.st_size > MOST_BYTES:
             raise PackError("it is no file, or too large")
-        if path != SHIPPED and (others := writers(status, status.st_uid)):
-            raise PackError(f"{others}: 'chmod go-w {path}' where it is yours")
+        if path != SHIPPED and (writable_by := writers(status, status.st_uid)):
+            raise PackError(f"{writable_by}: 'chmod go-w {path}' where it is yours")
         return file.read()
 
 

@@ -17,7 +17,7 @@ if TYPE_CHECKING:
     from ..scene.model import Scene
 
 _turn = threading.Lock()
-_held: dict[str, _Drawn] = {}
+_drawn: dict[str, _Drawn] = {}
 """What this process has made of the last scene that it drew, by its fingerprint."""
 
 
@@ -26,10 +26,10 @@ def draw(job: Job, task: Task) -> Frame | StrandError:
     what raises."""
     with _turn:
         try:
-            if job.fingerprint not in _held:
-                _held.clear()
-                _held[job.fingerprint] = _Drawn(job)
-            return _held[job.fingerprint](task)
+            if job.fingerprint not in _drawn:
+                _drawn.clear()
+                _drawn[job.fingerprint] = _Drawn(job)
+            return _drawn[job.fingerprint](task)
         except StrandError as error:
             return error
 

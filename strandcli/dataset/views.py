@@ -155,11 +155,11 @@ def _lights(scene: Scene, rng: np.random.Generator, axes: Floats, power: float) 
     lights = []
     for number, (turn, down, intensity, size) in enumerate(parts):
         around = math.radians(float(turn))
-        way = np.array([-math.sin(around), float(down), -math.cos(around)]) @ axes
+        direction = np.array([-math.sin(around), float(down), -math.cos(around)]) @ axes
         tint = (1.0, float(rng.uniform(0.88, 1.0)), float(rng.uniform(0.75, 1.0)))
         lights.append(
             DirectionalLight(
-                direction=_plain(way),
+                direction=_plain(direction),
                 intensity=float(intensity),
                 size=float(size),
                 colour=tint,

@@ -236,8 +236,8 @@ def _folder(folder: Path, writable: bool = True) -> Finding:
     broken = [one for one in entries if damaged(one, folder.stat())]
     if broken:
         text += f"; {len(broken)} not used, such as {broken[0].name}: damaged, or writable for others"
-        others = "have who may write there remove them and run 'strandcli warmup PRESET'"
-        return Finding("cache", NOTE, text, "nothing: they are compiled anew when needed" if writable else others)
+        remedy = "have who may write there remove them and run 'strandcli warmup PRESET'"
+        return Finding("cache", NOTE, text, "nothing: they are compiled anew when needed" if writable else remedy)
     if not writable:
         text += "; they are read, and cannot be written"
         advice = "nothing where all is there that is drawn; else have who may write there run 'strandcli warmup PRESET'"

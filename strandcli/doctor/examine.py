@@ -34,10 +34,10 @@ def picture() -> Iterator[Finding]:
     except subprocess.TimeoutExpired:
         yield Finding("self-test", BROKEN, f"not done after {PATIENCE:g} s", "run it on a machine with less to do")
         return
-    yield told(done.returncode, done.stdout, done.stderr)
+    yield self_test(done.returncode, done.stdout, done.stderr)
 
 
-def told(code: int, out: str, err: str) -> Finding:
+def self_test(code: int, out: str, err: str) -> Finding:
     """The finding of a self-test that ended with a code and has printed this."""
     if code < 0:
         name = signal.Signals(-code).name if -code in set(signal.Signals) else str(-code)
@@ -85,7 +85,7 @@ def examine() -> Iterator[Finding]:
 
 
 def draw() -> dict[str, Any]:
-    """Draw the picture in this process; returns what `told` tells."""
+    """Draw the picture in this process; returns what `self_test` tells."""
     from ..compiling import runtime
     from ..study import golden
 

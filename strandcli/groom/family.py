@@ -225,12 +225,12 @@ ROUNDING = 1e-6
 
 
 def shepard(
-    points: NDArray[np.float32], others: NDArray[np.float32], most: int
+    points: NDArray[np.float32], candidates: NDArray[np.float32], most: int
 ) -> tuple[NDArray[np.int32], NDArray[np.float64]]:
-    """Return the numbers (N, P) of the nearest P <= ``most`` of others (G, D) to each of points (N, D), and Shepard's
-    weights of them within the distance of the next one (Franke and Nielson 1980), whose sum is 1."""
-    found, squares = nearest_of(points, others, min(most + 1, len(others)))
-    used = min(most, len(others))
+    """Return the numbers (N, P) of the nearest P <= ``most`` of candidates (G, D) to each of points (N, D), and
+    Shepard's weights of them within the distance of the next one (Franke and Nielson 1980), whose sum is 1."""
+    found, squares = nearest_of(points, candidates, min(most + 1, len(candidates)))
+    used = min(most, len(candidates))
     d = np.sqrt(squares.astype(np.float64))
     reach = d[:, -1:] if found.shape[1] > used else np.full((len(d), 1), np.inf)
     weights = np.maximum(1.0 / np.maximum(d[:, :used], 1e-30) - 1.0 / np.maximum(reach, 1e-30), 0.0) ** 2
@@ -240,16 +240,16 @@ def shepard(
 
 
 def nearest_of(
-    points: NDArray[np.float32], others: NDArray[np.float32], many: int
+    points: NDArray[np.float32], candidates: NDArray[np.float32], many: int
 ) -> tuple[NDArray[np.int32], NDArray[np.float32]]:
-    """Return the numbers (N, many) int32 of the nearest of others (G, D) to each of points (N, D), nearest first, and
-    their squared distances, float32; many <= G, D >= 3. All coordinates count; the
+    """Return the numbers (N, many) int32 of the nearest of candidates (G, D) to each of points (N, D), nearest first,
+    and their squared distances, float32; many <= G, D >= 3. All coordinates count; the
     search is by the first three."""
     from .kernels.nearest import nearest
 
     found = np.empty((len(points), many), np.int32)
     squares = np.empty((len(points), many), np.float32)
-    nearest(points, cells_of(others), found, squares)
+    nearest(points, cells_of(candidates), found, squares)
     return found, squares
 
 

@@ -179,5 +179,5 @@ def check(groom: Groom) -> None:
     for bad, words in found:
         if bad.any():
             strand, count = int(np.argmax(bad)), int(bad.sum())
-            others = f" ({count} such strands)" if count > 1 else ""
-            raise UsageError(f"groom: strand {strand}: {words}{others}; leave it out, or mend it where it was made")
+            more = f" ({count} such strands)" if count > 1 else ""
+            raise UsageError(f"groom: strand {strand}: {words}{more}; leave it out, or mend it where it was made")

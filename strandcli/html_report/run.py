@@ -133,9 +133,9 @@ def _figures(data: Json, frames: Sequence[Json]) -> Iterator[tuple[str, str]]:
     for name in ("strands", "segments", "fragments"):
         if counts.get(name):
             yield name, f"{counts[name]:,}"
-    kept = sum(bool(one.get("kept")) for one in frames)
-    if kept:
-        yield "frames of earlier runs", f"{kept:,}"
+    earlier = sum(bool(one.get("kept")) for one in frames)
+    if earlier:
+        yield "frames of earlier runs", f"{earlier:,}"
 
 
 def seconds(value: float) -> str:

@@ -24,7 +24,7 @@ class KernelDispatcher(CPUDispatcher):
 
     def compile(self, sig: Any) -> Any:
         """The entry point for a signature, from memory, from the cache or from the compiler."""
-        with clock.call(self._cache.name), interrupts.held(), self._cache.claims():
+        with clock.call(self._cache.name), interrupts.deferred(), self._cache.claims():
             return super().compile(sig)
 
 

@@ -99,8 +99,8 @@ def _kind(name: str) -> str:
 def _why(kernel: KernelDispatcher) -> list[str]:
     """How the types of each further signature differ from the first one's."""
     names = list(inspect.signature(kernel.py_func).parameters)
-    first, *others = kernel.signatures or [()]
+    first, *rest = kernel.signatures or [()]
     return [
         ", ".join(f"{name}: {a}, not {b}" for name, a, b in zip(names, other, first, strict=False) if a != b)
-        for other in others
+        for other in rest
     ]

@@ -71,9 +71,9 @@ def _hash(module: str) -> bytes:
 @functools.cache
 def _text(module: str) -> bytes:
     """The text of a module: of its file, or, where a generated one could not be written to a file, as it holds it."""
-    held = getattr(sys.modules.get(module), "__strandcli_text__", None)
-    if held is not None:
-        return bytes(held)
+    text = getattr(sys.modules.get(module), "__strandcli_text__", None)
+    if text is not None:
+        return bytes(text)
     path = _path(module)
     return b"" if path is None else path.read_bytes()
 

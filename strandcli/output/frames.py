@@ -101,12 +101,12 @@ class FrameWriter:
     def _look(self, frames: Sequence[int], overwrite: bool, resume: bool, also: Sequence[str]) -> None:
         there = [frame for frame in frames if (self.directory / frame_file(frame)).exists()]
         beside = [name for frame in frames for name in layer_files(frame, self.layers, self.exr)]
-        others = [name for name in (*beside, *also) if (self.directory / name).exists()]
+        present = [name for name in (*beside, *also) if (self.directory / name).exists()]
         if resume:
             for frame in there:
                 self._keep(frame)
         elif not overwrite:
-            refuse_present(self.directory, [frame_file(frame) for frame in there] + others)
+            refuse_present(self.directory, [frame_file(frame) for frame in there] + present)
 
     @unrecorded()
     def _keep(self, frame: int) -> None:
@@ -121,11 +121,11 @@ class FrameWriter:
             return
         if image is None or image.mode not in ("RGB", "RGBA"):
             return
-        others = [] if image.info.get(png.SCENE, "") == self.scene else [path]
-        others += [one for one in files if not is_of(one, self.scene)]
-        if others and self.scene:
+        foreign = [] if image.info.get(png.SCENE, "") == self.scene else [path]
+        foreign += [one for one in files if not is_of(one, self.scene)]
+        if foreign and self.scene:
             raise UsageError(
-                f"{others[0]}: was made from another scene or with other settings, so --resume would mix two films; "
+                f"{foreign[0]}: was made from another scene or with other settings, so --resume would mix two films; "
                 f"empty {self.directory}, add --overwrite instead, or choose another folder with -o"
             )
         self.written[frame] = Written(frame, path.name, png.pixels_sha256(np.asarray(image)), None)

@@ -57,14 +57,14 @@ class PositionsWriter:
         self.directory = directory
         self.shape = (strands, particles, 3)
         self.motion = motion or Motion("", {})
-        self.kept = [f for f in frames if resume and self._whole(directory / positions_file(f))]
+        self.earlier = [f for f in frames if resume and self._whole(directory / positions_file(f))]
         there = [positions_file(f) for f in frames if (directory / positions_file(f)).exists()]
         if not overwrite:
             refuse_present(directory, [] if resume else there)
             require_own(directory / MANIFEST)
-        self.wanted = tuple(f for f in frames if f not in self.kept)
-        self.done = list(self.kept)
-        self.errors = _known_errors(directory, self.kept)
+        self.wanted = tuple(f for f in frames if f not in self.earlier)
+        self.done = list(self.earlier)
+        self.errors = _known_errors(directory, self.earlier)
         prepare_folder(directory, len(self.wanted) * (strands * particles * 12 + 512))
         self._claim = Claim(directory, "positions")
 
@@ -180,10 +180,10 @@ def read_positions(path: Path, shape: tuple[int, int, int], finite: bool = True)
         raise UsageError(f"{path}: cannot be read: {_words(error)}; {AGAIN}") from None
     bad = ~np.isfinite(positions).all(axis=(1, 2))
     if finite and bad.any():
-        others = f" ({int(bad.sum())} such strands)" if bad.sum() > 1 else ""
+        more = f" ({int(bad.sum())} such strands)" if bad.sum() > 1 else ""
         raise UsageError(
-            f"{path}: positions of strand {int(np.argmax(bad))} are not finite{others}; "
-            "simulate them anew, or draw the others with --keep-going"
+            f"{path}: positions of strand {int(np.argmax(bad))} are not finite{more}; "
+            "simulate them anew, or draw the rest with --keep-going"
         )
     return positions
 

@@ -79,14 +79,14 @@ class RunReport:
     def as_dict(
         self, status: str, written: Mapping[int, Written], machine: Mapping[str, Any] | None,
         compile_seconds: float | None, previous: Mapping[str, Any] | None = None,
-        others: Mapping[int, dict[str, Any]] | None = None,
+        foreign: Mapping[int, dict[str, Any]] | None = None,
     ) -> dict[str, Any]:  # fmt: skip
         """The whole report, ready for JSON. ``previous`` is the report that lies there, whose entries are taken over
-        for frames that this run kept and that are still the same file; ``others`` are entries of frames that it has
-        nothing to do with, from `of_others`."""
+        for frames that this run kept and that are still the same file; ``foreign`` are entries of frames that it has
+        nothing to do with, from `foreign_entries`."""
         seconds = time.perf_counter() - self._start
         old = {entry.get("frame"): entry for entry in (previous or {}).get("frames", []) if isinstance(entry, dict)}
-        entries = dict(others or {})
+        entries = dict(foreign or {})
         fresh = 0
         for frame, done in written.items():
             if frame in self.frames:
@@ -157,7 +157,7 @@ def read_report(directory: Path) -> dict[str, Any] | None:
         return None
 
 
-def of_others(
+def foreign_entries(
     directory: Path, scene: str, previous: Mapping[str, Any] | None, own: Collection[int] = ()
 ) -> dict[int, dict[str, Any]]:
     """What a ``previous`` report of the scene with this `fingerprint` says of frames whose files are in ``directory``

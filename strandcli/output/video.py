@@ -83,7 +83,7 @@ def _encode(words: Sequence[str], images: Sequence[Path], frames: Sequence[int],
                 for _ in range(until - frames[place]):
                     process.stdin.write(pixels)
             process.stdin.close()
-        told = process.stderr.read().decode("utf-8", "replace").strip().splitlines()
+        errors = process.stderr.read().decode("utf-8", "replace").strip().splitlines()
         code = process.wait()
     except BaseException:
         process.kill()
@@ -93,4 +93,4 @@ def _encode(words: Sequence[str], images: Sequence[Path], frames: Sequence[int],
         with suppress(OSError):
             process.stdin.close()
         process.stderr.close()
-    return "" if code == 0 else (told[-1] if told else f"it ended with code {code}")
+    return "" if code == 0 else (errors[-1] if errors else f"it ended with code {code}")

@@ -271,5 +271,5 @@ def layers_of(sizes: Sizes) -> int:
 def fragment_bytes(plan: Plan) -> int:
     """Return the bytes of sorted fragments in memory at once: pages of the room for them that are written to."""
     assert plan.sizes is not None
-    held = plan.sizes.fragments / layers_of(plan.sizes)
-    return round(held * (SORTED_BYTES + PART_BYTES / 8))
+    stored = plan.sizes.fragments / layers_of(plan.sizes)
+    return round(stored * (SORTED_BYTES + PART_BYTES / 8))

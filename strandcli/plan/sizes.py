@@ -222,11 +222,11 @@ def map_rows(scene: Scene, sizes: Sizes, side: int, texel: float | None) -> tupl
     wanted = texel or max(1.5 * sizes.apart, scene.material.width)
     found = min(max(2 * math.ceil(2 * sizes.radius / max(wanted, 1e-9) / 2), 4), side)
     if scene.emitter.extent is None:
-        held = HELD * (1.0 if scene.emitter.tie is None else TOGETHER) * found**2 / 4
+        hidden = HELD * (1.0 if scene.emitter.tie is None else TOGETHER) * found**2 / 4
     else:  # a square of that area
         across = math.sqrt(scene.emitter.extent.area) / max(2 * sizes.radius, 1e-9) * found / 2
-        held = min((across + AROUND) ** 2, found**2 / 4)
-    return found, min(held, sizes.segments)
+        hidden = min((across + AROUND) ** 2, found**2 / 4)
+    return found, min(hidden, sizes.segments)
 
 
 def share_in_maps(scene: Scene, sizes: Sizes, side: int) -> float:

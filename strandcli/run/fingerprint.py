@@ -125,8 +125,8 @@ def _content(path: str, kind: str) -> dict[str, str]:
 def _strands(path: str) -> object:
     from ..exchange.files import ReadOptions, files_of, read
 
-    first, *others = files_of(Path(path))
-    for one in (Path(path), *others):
+    first, *rest = files_of(Path(path))
+    for one in (Path(path), *rest):
         note(one)
     return inputs_of(first, lambda: read(first, ReadOptions(lenient=True)))
 

@@ -47,7 +47,7 @@ class FrameRenderer:
 
         frame = moved.frame
         at = (frame.number - 1) / self._fps
-        self._renderer = self._first if moved.groom is None else self._of_others(moved.groom)
+        self._renderer = self._first if moved.groom is None else self._of_groom(moved.groom)
         if self._scene.camera.views:
             from ..cameras.read import at_frame
 
@@ -65,7 +65,7 @@ class FrameRenderer:
             frame.report["error"]["follow_stretch_max"] = drawing.follow_stretch_max
         return frame
 
-    def _of_others(self, groom: Groom) -> Renderer:
+    def _of_groom(self, groom: Groom) -> Renderer:
         """A renderer of other strands of a file, with the memory of the first one."""
         assert groom.points is not None
         first, scene = self._first, self._scene

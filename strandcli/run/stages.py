@@ -102,7 +102,7 @@ class SimulationStage:
         self._went_on: int | None = None
         """The frame at which the simulation last went on from what an earlier run left."""
         self._wrong = False
-        self._told: set[str] = set()
+        self._reported: set[str] = set()
         """Errors that a line was said of."""
         self._stretch = STRETCH / 2
         """Stretch of followers that a line was said of."""
@@ -119,8 +119,8 @@ class SimulationStage:
 
                 for words in notes(scene.emitter):
                     self._warn(words)
-            kept = self.options.checkpoints
-            needed = self.options.draw and (kept is None or not kept.of_all_strands)
+            checkpoints = self.options.checkpoints
+            needed = self.options.draw and (checkpoints is None or not checkpoints.of_all_strands)
             strands = needed_strands(scene, frames) if needed else None
             return at_start(scene, arranged(emit(scene.emitter, scene.seed, strands), tiers_of(scene)))
         from ..groom_file import from_scene, guided, notes_of
@@ -152,19 +152,19 @@ class SimulationStage:
         self._done = number
         groom = solver.groom
         if groom is not self.groom:
-            self._tell_others()
+            self._report_changing_strands()
         if of_before is not groom:
             before = None
         counts = {"strands": groom.strands, "particles": groom.strands * self.scene.emitter.particles}
-        kept = solver.particles() if self.options.keep_positions else None
-        frame = Frame(number, None, kept, {"frame": number, "seconds": seconds, "counts": counts, "error": error})
+        particles = solver.particles() if self.options.keep_positions else None
+        frame = Frame(number, None, particles, {"frame": number, "seconds": seconds, "counts": counts, "error": error})
         if self._went_on is not None:
             frame.report["went_on_from"] = self._went_on
         if self._wrong and draw:
             return self._drop_nonfinite(frame, before)
         positions = solver.positions.copy() if self.snapshots else solver.positions
-        others = None if groom is self.groom else groom
-        moved = MovedStrands(frame, positions, solver.lengths, groom.tones, before, groom.places, others)
+        own = None if groom is self.groom else groom
+        moved = MovedStrands(frame, positions, solver.lengths, groom.tones, before, groom.places, own)
         return self._of_frame(moved) if draw else moved
 
     def _of_frame(self, moved: MovedStrands) -> MovedStrands:
@@ -179,23 +179,23 @@ class SimulationStage:
             ids=None if moved.ids is None else moved.ids[:count],
         )  # fmt: skip
 
-    def _tell_others(self) -> None:
+    def _report_changing_strands(self) -> None:
         """Say once that strands come and go."""
         if self.options.keep_positions and not self.options.draw:
             raise UsageError("emitter.groom.file: strands come and go with time; their positions cannot be stored")
-        if "others" not in self._told:
+        if "changing" not in self._reported:
             blur = ", and without motion blur" if self.scene.camera.shutter > 0 else ""
             self._warn(f"strands of the file come and go with time: each frame has those of the moment before it{blur}")
-        self._told.add("others")
+        self._reported.add("changing")
 
     def _to_simulate(self, number: int) -> range:
         """Return the frames to simulate up to one that is asked for, after the last that is known."""
         if self.solver.independent:
             return range(number, number + 1)
-        kept = self.options.checkpoints
-        if kept is not None and not self._wrong:
+        checkpoints = self.options.checkpoints
+        if checkpoints is not None and not self._wrong:
             before = 1 if self.options.draw and self.scene.camera.shutter > 0 and number > 1 else 0
-            found = kept.go_on(self.solver, self._done, number - before)
+            found = checkpoints.go_on(self.solver, self._done, number - before)
             if found > self._done:
                 self._went_on = found
             self._done = min(found, number - 1)  # its errors are measured anew
@@ -218,8 +218,8 @@ class SimulationStage:
             ("closeness", interpenetration(self.solver, number, error)),
             ("density", crowding(self.solver)),
         ):
-            if words and about not in self._told:
-                self._told.add(about)
+            if words and about not in self._reported:
+                self._reported.add(about)
                 self._warn(words)
         trouble = examine(self.solver, number, error, simulated=self._given is None and not self.solver.independent)
         if trouble is None:
@@ -254,24 +254,24 @@ class SimulationStage:
 
         solver, groom = self.solver, self.solver.groom
         strands = groom.strands
-        others = None if groom is self.groom else groom
+        own = None if groom is self.groom else groom
         guiding = self.children is not None
         seconds = (frame.number - 1) / self.scene.time.fps
         first = strands if guiding else min(strands_needed(self.scene, seconds), strands)
         fine = drawable(solver)
         fine[first:] = False
-        kept = np.flatnonzero(groom.placed(fine))
-        if not len(kept):
+        finite = np.flatnonzero(groom.placed(fine))
+        if not len(finite):
             raise SimulationError(f"frame {frame.number}: no strand is left that could be drawn; mend the preset")
-        frame.report["counts"]["left_out"] = first - len(kept)
+        frame.report["counts"]["left_out"] = first - len(finite)
         if guiding:  # children leave out the strands that follow one that is no number
             marked = np.full((strands, solver.positions.shape[1], 3), np.nan, np.float32)
-            marked[kept] = unpack(solver.positions, strands)[kept]
+            marked[finite] = unpack(solver.positions, strands)[finite]
             return MovedStrands(frame, pack(marked), solver.lengths, groom.tones, None)
-        positions = pack(unpack(solver.positions, strands)[kept])
-        lengths = lanes(solver.lengths.reshape(-1)[kept, None])
+        positions = pack(unpack(solver.positions, strands)[finite])
+        lengths = lanes(solver.lengths.reshape(-1)[finite, None])
         if before is not None:
-            before = pack(unpack(before, strands)[kept])
+            before = pack(unpack(before, strands)[finite])
             before = before if np.isfinite(before).all() else None
-        ids = kept.astype(np.int32) if groom.places is None else groom.places[kept]
-        return MovedStrands(frame, positions, lengths, groom.tones[kept], before, ids, others)
+        ids = finite.astype(np.int32) if groom.places is None else groom.places[finite]
+        return MovedStrands(frame, positions, lengths, groom.tones[finite], before, ids, own)

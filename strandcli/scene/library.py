@@ -50,11 +50,11 @@ def find(name: str) -> Path:
     raise UsageError(lost)
 
 
-def no_such_preset(name: str, others: tuple[str, ...] = ()) -> str:
-    """The message for a preset that is not there; ``others`` are names that might have been meant as well."""
+def no_such_preset(name: str, also: tuple[str, ...] = ()) -> str:
+    """The message for a preset that is not there; ``also`` are names that might have been meant as well."""
     names = [shipped for shipped, _ in list_presets()]
     inside = (shipped for shipped in names if shipped.rpartition("/")[2] == name)  # fig02 for figures/fig02
-    guess = next(inside, None) or near(name, [*others, *names])
+    guess = next(inside, None) or near(name, [*also, *names])
     meant = f"did you mean {shown(guess)}? " if guess else ""
     if name.endswith(SUFFIXES):  # a path, which the list of shipped names does not help with
         return f"no preset {shown(name)}: there is no such file" + (f"; {meant.strip()}" if guess else "")
@@ -97,10 +97,10 @@ def locate(given: str) -> Path:
             raise UsageError(f"{shown(given)} is a folder; a preset is a .yaml file")
         if path.is_symlink() or path.exists():
             raise UsageError(f"{shown(given)} is a device, a pipe or a link to nowhere; a preset is a .yaml file")
-        others = [p.name for p in path.parent.iterdir() if p.suffix in SUFFIXES] if path.name else []
+        also = [p.name for p in path.parent.iterdir() if p.suffix in SUFFIXES] if path.name else []
     except (OSError, ValueError):
-        others = []
-    raise UsageError(no_such_preset(given, tuple(str(path.parent / name) for name in others)))
+        also = []
+    raise UsageError(no_such_preset(given, tuple(str(path.parent / name) for name in also)))
 
 
 def hidden_by_shipped(given: str) -> Path | None:

@@ -96,8 +96,8 @@ class Reader:
         try:
             return spec.read(self, node, path)
         except specs.Refusal as refusal:
-            told = why_absent(path, node.text) if isinstance(node, Scalar) else None
-            self.refuse(node.mark, path, told or f"must be {spec.wanted()}, {refusal}")
+            absent = why_absent(path, node.text) if isinstance(node, Scalar) else None
+            self.refuse(node.mark, path, absent or f"must be {spec.wanted()}, {refusal}")
             return spec.default
 
     def kind(self, kinds: Mapping[str, type], node: MapNode, path: str) -> type | None:

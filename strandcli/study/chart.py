@@ -97,8 +97,8 @@ def _plot(
 
 def styles_of(points: Sequence[Point]) -> dict[str, tuple[str, str]]:
     """Colour and shape of each line of points."""
-    others = cycle(OTHERS)
-    return {line: STYLES[line] if line in STYLES else next(others) for line in by_line(points)}
+    rest = cycle(OTHERS)
+    return {line: STYLES[line] if line in STYLES else next(rest) for line in by_line(points)}
 
 
 def text(at: XY, words: str, colour: str, size: float, anchor: str = "start", turn: str = "") -> str:

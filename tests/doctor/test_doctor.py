@@ -51,32 +51,32 @@ def test_a_picture_that_differs_is_broken(tmp_path: Path, monkeypatch: pytest.Mo
     monkeypatch.setattr(examine, "GOLDEN", folder)
     good = examine.draw()
     assert good["matches"]
-    assert examine.told(0, json.dumps(good), "").state == OK
+    assert examine.self_test(0, json.dumps(good), "").state == OK
     listed = folder / "golden.yaml"
     listed.write_text(listed.read_text().replace("strands=400", "strands=399"))
-    wrong = examine.told(0, json.dumps(examine.draw()), "")
+    wrong = examine.self_test(0, json.dumps(examine.draw()), "")
     assert wrong.state == BROKEN
     assert "pictures are wrong here" in wrong.advice
     assert (Image.open(folder / "self-test.png").size) == (96, 72)
 
 
 def test_a_self_test_that_ends_otherwise_is_told() -> None:
-    assert "SIGSEGV" in examine.told(-11, "", "").text
-    assert examine.told(1, "", "Traceback\nImportError: no numba\n").text == "ImportError: no numba"
-    assert examine.told(0, '{"error": "UsageError: unset it"}\n', "").text == "UsageError: unset it"
-    assert examine.told(1, "", "").text == "exit code 1"
+    assert "SIGSEGV" in examine.self_test(-11, "", "").text
+    assert examine.self_test(1, "", "Traceback\nImportError: no numba\n").text == "ImportError: no numba"
+    assert examine.self_test(0, '{"error": "UsageError: unset it"}\n', "").text == "UsageError: unset it"
+    assert examine.self_test(1, "", "").text == "exit code 1"
 
 
 @pytest.mark.parametrize("version", [1, 2])
 def test_limits_of_control_groups_are_the_least_of_all_that_a_process_is_in(version: int, tmp_path: Path) -> None:
     """Of cores' time and of memory; what is left of that is in `tests/run/test_plan_memory.py`."""
-    told = tmp_path / "told"
-    told.write_text("0::/user/job\n" if version == 2 else "4:cpu,cpuacct:/user/job\n3:memory:/user/job\n")
+    self_test = tmp_path / "told"
+    self_test.write_text("0::/user/job\n" if version == 2 else "4:cpu,cpuacct:/user/job\n3:memory:/user/job\n")
     inner = tmp_path / ("" if version == 2 else "memory") / "user/job"
     cpu = tmp_path / ("" if version == 2 else "cpu") / "user/job"
     for folder in (inner, cpu):
         folder.mkdir(parents=True, exist_ok=True)
-    assert limits.quota(tmp_path, told) is None
+    assert limits.quota(tmp_path, self_test) is None
     for folder, quota in ((cpu, "max"), (cpu.parent, "150000")):
         if version == 2:
             (folder / "cpu.max").write_text(f"{quota} 100000\n")
@@ -87,8 +87,8 @@ def test_limits_of_control_groups_are_the_least_of_all_that_a_process_is_in(vers
     for folder, bytes_ in ((inner, "max" if version == 2 else 2**63 - 4096), (inner.parent, 5000)):
         (folder / name).write_text(f"{bytes_}\n")
     (inner.parents[1] / name).write_text("7000\n")
-    assert limits.quota(tmp_path, told) == 1.5
-    assert limits.memory(tmp_path, told) == 5000
+    assert limits.quota(tmp_path, self_test) == 1.5
+    assert limits.memory(tmp_path, self_test) == 5000
 
 
 def test_fewer_cores_than_threads_are_told(monkeypatch: pytest.MonkeyPatch) -> None:
@@ -142,5 +142,5 @@ def test_bytecode_that_nobody_keeps_is_told(tmp_path: Path, monkeypatch: pytest.
         (one,) = doctor.bytecode()
         return one
 
-    assert [found(kept, told).state for kept in (True, False) for told in (True, False)] == [OK, OK, NOTE, OK]
+    assert [found(kept, self_test).state for kept in (True, False) for self_test in (True, False)] == [OK, OK, NOTE, OK]
     assert f"compileall -q {tmp_path}" in found(False, True).advice

@@ -99,8 +99,8 @@ def interrupted(work: Callable[[list[str]], None], number: int = signal.SIGINT) 
 
 def test_it_is_raised_at_the_end_of_the_block() -> None:
     def work(done: list[str]) -> None:
-        with interrupts.held():
-            with interrupts.held():
+        with interrupts.deferred():
+            with interrupts.deferred():
                 os.kill(os.getpid(), signal.SIGTERM)
                 done.append("inner")
             done.append("outer")
@@ -111,7 +111,7 @@ def test_it_is_raised_at_the_end_of_the_block() -> None:
 
 def test_where_it_is_allowed_it_is_raised_at_once() -> None:
     def work(done: list[str]) -> None:
-        with interrupts.held(), interrupts.allowed():
+        with interrupts.deferred(), interrupts.allowed():
             os.kill(os.getpid(), signal.SIGINT)
             done.append("never")
 
@@ -120,7 +120,7 @@ def test_where_it_is_allowed_it_is_raised_at_once() -> None:
 
 def test_it_is_raised_where_a_wait_begins() -> None:
     def work(done: list[str]) -> None:
-        with interrupts.held():
+        with interrupts.deferred():
             os.kill(os.getpid(), signal.SIGINT)
             done.append("loading")
             with interrupts.allowed():

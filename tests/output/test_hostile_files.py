@@ -51,7 +51,7 @@ def test_a_pipe_as_layer_or_positions_is_refused(tmp_path: Path) -> None:
     writer = PositionsWriter(tmp_path, [1], 2, 3, overwrite=False, resume=True)
     writer.write(1, np.zeros((2, 3, 3), np.float32))
     writer.write_manifest("a", None, 24.0, "complete")
-    assert writer.kept == []
+    assert writer.earlier == []
     assert read_positions(tmp_path / "positions_0001.npz", (2, 3, 3)).shape == (2, 3, 3)
 
 

@@ -36,7 +36,7 @@ class Kind(NamedTuple):
 
 def composed(module: str, name: str, kinds: Sequence[Kind]) -> tuple[Any, Any, Any]:
     """The classes of named tuples of a module: of solids of these kinds with the arrays of their shapes, of `Solids`
-    and these, and of the same where there are only built-in ones. Functions are attributes of the first."""
+    and these, and of the same without built-in solids. Functions are attributes of the first."""
     fields = [
         [f"data_{place}_{field}" for field in one.data._fields] if one.data else [] for place, one in enumerate(kinds)
     ]

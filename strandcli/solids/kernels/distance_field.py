@@ -49,7 +49,8 @@ def of_class(name: str, inline: bool = False) -> Any:
 distance_in_own, normal, meet, hides = map(of_class, ("distance_in_own", "normal", "meet", "hides"))
 """(p, m, u, v, w): distance of a point, in the frame of solid m. (p, m, x, y, z): unit outward normal where the surface
 is nearest to a point. (p, m, x, y, z, dx, dy, dz, end): where a ray that begins outside meets it, in units of |d|; inf
-where it does not up to `end`. (p, m, x, y, z, direction, reach, skin): whether it stands between a point and a light."""
+where it does not up to `end`. (p, m, x, y, z, direction, reach, skin): whether it stands between a point and a
+light."""
 meets, look, drift = map(of_class, ("meets", "look", "drift"))
 """(p, m, rays, found), (p, m, x, y, z, eye, width, before), (p, m, x, y, z): as `SolidShape` has them, the last two in
 the world."""

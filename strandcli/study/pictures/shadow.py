@@ -64,8 +64,8 @@ class ShadingRenderer(LinearRenderer):
         self.scratch.borrow("colours", (len(lines.world), 3), np.float32).fill(np.nan)
         colours = super().shade(lighting, batch, *rest)
         if begin in self.shaded:  # the picture's next rows show others of the same strands
-            kept = self.shaded[begin][1]
-            np.copyto(kept, colours, where=np.isnan(kept))
+            light = self.shaded[begin][1]
+            np.copyto(light, colours, where=np.isnan(light))
         else:
             lines = replace(lines, first=lines.first.copy(), world=lines.world.copy())
             self.shaded[begin] = lines, colours.copy()
@@ -208,8 +208,8 @@ def frames_along(directions: NDArray[np.float64]) -> NDArray[np.float64]:
 
 def alone(scene: Scene, light: int) -> Scene:
     """A scene with one light that shines, in its place in the list."""
-    others = {f"lights.{i}.intensity": 0.0 for i in range(len(scene.lights)) if i != light}
-    return changed(scene, others)
+    dark = {f"lights.{i}.intensity": 0.0 for i in range(len(scene.lights)) if i != light}
+    return changed(scene, dark)
 
 
 def matt(scene: Scene) -> Scene:

@@ -4,7 +4,7 @@ Each of several slopes has rails, short strands that lead straight down it, and 
 clamped at its root. What friction does not hold of its weight along the slope bends it downhill, in proportion to
 tan (slope) − µ. Slopes are a degree apart, and as many are flatter than atan µ as steeper: the way of tips on the
 steeper ones, drawn on to where it vanishes, is the angle. What the first touch moves on the flatter ones before it
-sticks is less than any of these ways.
+sticks is less than any of these distances.
 """
 
 from __future__ import annotations
@@ -42,19 +42,19 @@ def angles() -> NDArray[np.float64]:
 
 def strands() -> Groom:
     """The strands of all slopes, the long one of each first. x leads along the long ones."""
-    roots, ways, lengths = [], [], []
+    roots, directions, lengths = [], [], []
     for k, angle in enumerate(angles()):
         down = np.array([0.0, -math.sin(angle), math.cos(angle)])
         up = np.array([0.0, math.cos(angle), math.sin(angle)])
         origin = np.array([0.0, 0.0, APART * k])
         roots.append(origin + THICKNESS * up)
-        ways.append(np.array([1.0, 0.0, 0.0]))
+        directions.append(np.array([1.0, 0.0, 0.0]))
         lengths.append(1.0)
         for x in RAILS:
             roots.append(origin + np.array([x - 0.01, 0.0, 0.0]) - RAIL / 2 * down)
-            ways.append(down)
+            directions.append(down)
             lengths.append(RAIL)
-    return groom(np.array(ways), lengths, np.array(roots))
+    return groom(np.array(directions), lengths, np.array(roots))
 
 
 def case(particles: int) -> Case:
@@ -69,11 +69,11 @@ def measure(track: Track) -> Errors:
     """``angle``: error of the angle at which strands begin to slide, as a share. None where a strand on a slope flatter
     than atan µ moves as far as one on a steeper slope, or where steeper slopes do not bring strands further."""
     rows = slice(None, None, 1 + len(RAILS))
-    ways = np.linalg.norm(track.last[rows, -1] - track.positions[0, rows, -1], axis=1)
+    distances = np.linalg.norm(track.last[rows, -1] - track.positions[0, rows, -1], axis=1)
     off = np.array(OFF)
     steep = off > 0
-    each, level = np.polyfit(off[steep], ways[steep], 1)
-    if ways[~steep].max() >= ways[steep].min() or each < STEEPER:
+    each, level = np.polyfit(off[steep], distances[steep], 1)
+    if distances[~steep].max() >= distances[steep].min() or each < STEEPER:
         return {"angle": None}
     return {"angle": abs(float(level / each)) / ANGLE}
 

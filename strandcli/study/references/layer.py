@@ -57,11 +57,11 @@ def strands() -> Groom:
 def case(particles: int) -> Case:
     """Both layers, each between two walls, and their plates."""
     made, outside, solids = strands(), DEPTH / 2 + THICK / 2, []
-    for z, way in ((0.0, (0.0, MEASURED)), (APART, (0.0, DEEPEST, MEASURED))):
-        ends = np.cumsum(np.abs(np.diff(way, prepend=0.0))) / SPEED
+    for z, path in ((0.0, (0.0, MEASURED)), (APART, (0.0, DEEPEST, MEASURED))):
+        ends = np.cumsum(np.abs(np.diff(path, prepend=0.0))) / SPEED
         keys = [
             {"time": float(end), "position": [outside - deep, TOP - LENGTH / 2, z]}
-            for end, deep in zip(ends, way, strict=True)
+            for end, deep in zip(ends, path, strict=True)
         ]
         solids.append(
             {"kind": "box", "size": [THICK, LENGTH, WIDTH], "position": [outside, TOP - LENGTH / 2, z], "keys": keys}
@@ -86,13 +86,13 @@ def density(positions: NDArray[np.float64], depth: float = BOX[0]) -> float:
     """Metres of strand in a cubic metre before the plate where it is measured. ``positions`` (strands, particles,
     3)."""
     share = (np.arange(PIECES) + 0.5) / PIECES
-    ways = np.diff(positions, axis=1)
-    at = positions[:, :-1, None] + share[:, None] * ways[:, :, None]
+    segments = np.diff(positions, axis=1)
+    at = positions[:, :-1, None] + share[:, None] * segments[:, :, None]
     face = DEPTH / 2 - MEASURED
     low, high = BOX[2]
     inside = (at[..., 0] > face - depth) & (at[..., 0] < face) & (np.abs(at[..., 2]) < BOX[1] / 2)
     inside &= (at[..., 1] > low) & (at[..., 1] < high)
-    metres = (inside.sum(2) / PIECES * np.linalg.norm(ways, axis=2)).sum()
+    metres = (inside.sum(2) / PIECES * np.linalg.norm(segments, axis=2)).sum()
     return float(metres / (depth * BOX[1] * (high - low)))
 
 

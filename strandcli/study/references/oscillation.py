@@ -80,10 +80,11 @@ def bessel(order: int, x: Array) -> Array:
     return np.asarray(np.cos(order * theta - np.asarray(x)[..., None] * np.sin(theta)).mean(-1))
 
 
-def oscillation(times: Array, values: Array, guess: float, others: Sequence[Swing] = ()) -> Swing | None:
+def oscillation(times: Array, values: Array, guess: float, present: Sequence[Swing] = ()) -> Swing | None:
     """The swing of a + e^{−λ t} (b cos ω t + c sin ω t), fitted to values (T,) at times (T,) by least squares; a, b and
-    c are eliminated (Golub & Pereyra 1973). ``guess`` is about ω; ``others`` are swings that are in the values as well.
-    None where the values hold no such oscillation: fewer than 8 of them, no movement, or one over before it swings."""
+    c are eliminated (Golub & Pereyra 1973). ``guess`` is about ω; ``present`` are swings that are in the values as
+    well. None where the values hold no such oscillation: fewer than 8 of them, no movement, or one over before it
+    swings."""
     if len(times) < 8 or not np.isfinite(values).all() or np.ptp(values) == 0:
         return None
     t = times - times[0]
@@ -92,7 +93,7 @@ def oscillation(times: Array, values: Array, guess: float, others: Sequence[Swin
         size = np.exp(-np.clip(decay * t, -50, 50))
         return [size * np.cos(omega * t), size * np.sin(omega * t)]
 
-    basis = np.stack([np.ones_like(t), *[wave for other in others for wave in pair(*other)]], 1)
+    basis = np.stack([np.ones_like(t), *[wave for other in present for wave in pair(*other)]], 1)
     known, _ = np.linalg.qr(basis)
     rest = values - known @ (known.T @ values)
     power = float(rest @ rest)

@@ -59,13 +59,13 @@ def wire(arm: int) -> tuple[NDArray[np.float64], NDArray[np.float64], NDArray[np
     m = 4000
     angles = total * (np.arange(m) + 0.5) / m
     middles = R * np.stack([np.cos(angles) - 1, -CLIMB * angles / (2 * math.pi), np.sin(angles)], 1)
-    ways = np.stack([-np.sin(angles), np.full(m, -CLIMB / (2 * math.pi)), np.cos(angles)], 1)
+    tangents = np.stack([-np.sin(angles), np.full(m, -CLIMB / (2 * math.pi)), np.cos(angles)], 1)
     sizes = np.full(m, R * total / m * math.hypot(1, CLIMB / (2 * math.pi)))
     steps = (np.arange(400) + 0.5) / 400
     middles = np.concatenate([middles, end + steps[:, None] * (corners[-1] - end)])
     inward = (corners[-1] - end) / R
-    ways = np.concatenate([ways / np.linalg.norm(ways, axis=1)[:, None], np.tile(inward, (400, 1))])
-    return middles, ways, np.append(sizes, np.full(400, R / 400))
+    tangents = np.concatenate([tangents / np.linalg.norm(tangents, axis=1)[:, None], np.tile(inward, (400, 1))])
+    return middles, tangents, np.append(sizes, np.full(400, R / 400))
 
 
 def bending(arm: int) -> float:
@@ -75,10 +75,10 @@ def bending(arm: int) -> float:
     return G * MASS * length * 2 * math.pi * turns * R**3 / (TORSION * STRETCH * R)
 
 
-def way(arm: int) -> float:
+def displacement(arm: int) -> float:
     """How far down the end comes, metres: the work of the loads' moments along the wire on those of a unit load at the
     end (Castigliano), for small ways."""
-    middles, ways, sizes = wire(arm)
+    middles, tangents, sizes = wire(arm)
     rigid = bending(arm)
     end = coil(arm)[-1]
     beyond = np.cumsum(sizes[::-1])[::-1] - sizes / 2
@@ -86,7 +86,7 @@ def way(arm: int) -> float:
     down = np.array([0.0, -1.0, 0.0])
     unit = np.cross(end - middles, down)
     load = G * (MASS * sizes.sum() * unit + np.cross(moment_of - beyond[:, None] * middles, down))
-    twisting = (load * ways).sum(1) * (unit * ways).sum(1)
+    twisting = (load * tangents).sum(1) * (unit * tangents).sum(1)
     return float((sizes * ((load * unit).sum(1) - twisting + twisting / TORSION)).sum() / rigid)
 
 
@@ -106,12 +106,12 @@ def case(particles: int) -> Case:
 def measure(track: Track) -> Errors:
     """``stiffness``: relative error of weight over way."""
     arm = arm_of(track.last.shape[1])
-    return {"stiffness": off(way(arm), -float(track.last[0, -1, 1] - coil(arm)[-1, 1]))}
+    return {"stiffness": off(displacement(arm), -float(track.last[0, -1, 1] - coil(arm)[-1, 1]))}
 
 
 SPRING = Reference(
     name="spring", title="a coil that a weight on its axis stretches, G d⁴ / (8 n D³)", metric="stiffness",
     unit="of the stiffness", needs="bending stiffness in physical units, a mass on the tip, twist", span=0.5,
-    exact=lambda: {f"stretch, arm of {arm}": way(arm) / (STRETCH * R) for arm in ARM},
+    exact=lambda: {f"stretch, arm of {arm}": displacement(arm) / (STRETCH * R) for arm in ARM},
     case=case, measure=measure, steps=(1 / 480,), particles=tuple(len(coil(arm)) for arm in ARM),
 )  # fmt: skip

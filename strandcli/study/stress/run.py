@@ -198,13 +198,13 @@ def run(
     wanted = [task for task in work if any(accept(case.name) for case in task)]
     found: list[Verdict] = []
     for several in _results(wanted, processes, notify):
-        kept = [one for one in several if accept(one.name)]
-        found += kept
+        accepted = [one for one in several if accept(one.name)]
+        found += accepted
         if tell is not None:
-            for one in kept:
+            for one in accepted:
                 tell(one)
         if step is not None:
-            step(len(kept))
+            step(len(accepted))
     solvers = tuple(solver for solver in SOLVERS if any(solver == one.name.partition("/")[0] for one in found))
     return Result(solvers, found, time.perf_counter() - began)
 

@@ -150,8 +150,8 @@ def _along_x(count: int) -> NDArray[np.float64]:
 
 
 def _units(draw: np.random.Generator, shape: tuple[int, ...]) -> NDArray[np.float64]:
-    way = draw.normal(size=(*shape, 3))
-    return np.asarray(way / np.linalg.norm(way, axis=-1, keepdims=True))
+    direction = draw.normal(size=(*shape, 3))
+    return np.asarray(direction / np.linalg.norm(direction, axis=-1, keepdims=True))
 
 
 def wind_of(strength: float, step: float) -> dict[str, Any]:
