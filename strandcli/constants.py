@@ -13,7 +13,7 @@ BAND_VERTICES, BANDS = 800_000, 16
 """Vertices of a batch and of a band of rows, about, and most bands: a strand is made once for each that it comes to."""
 
 FRAGMENTS = 4_194_304
-"""Fragments of sorted strands that are held at once, `FRAGMENT_BYTES` each: more go through in bands of rows."""
+"""Fragments of sorted strands that are in memory at once, `FRAGMENT_BYTES` each: more go through in bands of rows."""
 
 SORTED_BYTES = 12
 """A fragment once it is sorted: vertex, weight and place."""
@@ -35,4 +35,4 @@ SORTING_BYTES = 36
 VECTOR = 64
 """Bytes of numbers that move at once, those of a cache line: of sixteen strands, or of eight in double precision."""
 FOLD = 0.02
-"""Of rods, least of 1 + e_{j−1}·e_j, which is 0 where a strand is folded onto itself and frames have no way to go."""
+"""Of rods, least of 1 + e_{j−1}·e_j, which is 0 where a strand is folded onto itself and frames have no direction."""

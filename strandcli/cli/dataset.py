@@ -84,7 +84,7 @@ def command(
 
 
 def _require_files(grooms: tuple[str, ...]) -> None:
-    """Raise `UsageError` for files of strands that are not there, before hours of drawing the others."""
+    """Raise `UsageError` for files of strands that are not there, before hours of drawing the rest."""
     from ..exchange.files import files_of
 
     for groom in grooms:

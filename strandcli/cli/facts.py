@@ -27,7 +27,7 @@ reading = options.together(
 )  # fmt: skip
 
 MOST_OBJECTS = 20
-"""Objects that are told to people."""
+"""Objects that are printed for people."""
 FILLED = 0.86
 """Share of a picture that a mesh fills."""
 

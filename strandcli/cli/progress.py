@@ -33,7 +33,7 @@ class Progress:
     With ``verbose`` notes are printed as lines then.
     A thread redraws the line, so that it moves during a long compilation too. ``each`` is what is counted. With
     ``lines`` a run that takes minutes is heard of where nothing is drawn as well: each step that has a text is a line,
-    and so is every tenth part of steps that have none; a step that takes long is told by itself.
+    and so is every tenth part of steps that have none; a step that takes long is reported by itself.
     """
 
     def __init__(

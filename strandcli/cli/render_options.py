@@ -1,5 +1,5 @@
-"""Options of `strandcli render` that others share: views from a file of another program, layers, and animations of the
-frames that are left, which and over which colour."""
+"""Options of `strandcli render` that other commands share: views from a file of another program, layers, and animations
+of the frames that are left, which and over which colour."""
 
 from __future__ import annotations
 

@@ -131,7 +131,7 @@ def _requests(
         chosen = find("motion" if axis is None else axis)
         if chosen.axis == "reference":
             raise UsageError(f"axis {axis}: studies no preset; leave out --axis and name a --reference")
-        _refuse_others(chosen, wishes)
+        _refuse_foreign(chosen, wishes)
         frame = wishes.pop("frame")
         scene = options.load_scene(preset, seed=seed, overrides=overrides)
         paths = [text.partition("=")[0].strip() for text in overrides]
@@ -147,7 +147,7 @@ DRAWN = {"frame": "--frame", "size": "--size"}
 """Options of motion and of pictures."""
 
 
-def _refuse_others(axis: type[Experiment], wishes: dict[str, Any]) -> None:
+def _refuse_foreign(axis: type[Experiment], wishes: dict[str, Any]) -> None:
     """Raise `UsageError` for options of the other kind of axis."""
     hint = "use --set for the preset's own settings" if axis.draws else "name an --axis of pictures with it"
     for name, option in (MOVED if axis.draws else DRAWN).items():

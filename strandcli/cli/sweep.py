@@ -31,7 +31,7 @@ COLUMNS, WIDTH, MOST_CELLS = 4, 320, 400
 def run(draw: Callable[..., None], given: Mapping[str, Any]) -> None:
     """Draw every point with ``draw``, the command itself, whose arguments are ``given``.
 
-    A point that goes wrong is told in the table, and the others go on; then the whole ends as that one did.
+    A point that goes wrong is reported in the table, and the rest go on; then the whole ends as that one did.
     """
     from ..output.files import prepare_folder, write_pieces
 
@@ -71,7 +71,7 @@ def run(draw: Callable[..., None], given: Mapping[str, Any]) -> None:
 
 
 def _check(wanted: Sequence[Point], folder: Path, settings: Mapping[str, Any]) -> None:
-    """Load every point's scene, so that a wrong value is told before the first is drawn."""
+    """Load every point's scene, so that a wrong value is reported before the first is drawn."""
     if not (settings["overwrite"] or settings["resume"]) and (folder / TABLE).exists():
         raise UsageError(f"{folder}: holds {TABLE} already; add --overwrite to replace or --resume to continue")
     names = ("size", "strands", "particles", "seed", "quality")

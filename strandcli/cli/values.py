@@ -49,7 +49,7 @@ class Parsed(click.ParamType):
 
 @dataclass(frozen=True, slots=True)
 class FrameRange:
-    """A set of frame numbers, kept as ranges so that a mistyped ``1-9999999`` costs nothing."""
+    """A set of frame numbers, stored as ranges so that a mistyped ``1-9999999`` costs nothing."""
 
     parts: tuple[range, ...]
 

@@ -51,7 +51,7 @@ def command(
     """Compile the kernels of PRESET, or of all shipped presets, so that the next run starts at once.
 
     Give the options that the run will have: they decide which kernels it needs. Two frames of each preset are drawn,
-    and not kept. A pack serves machines that have the same Python, Numba and system, and a processor of the kind that
+    and not stored. A pack serves machines that have the same Python, Numba and system, and a processor of the kind that
     --cpu names, where STRANDCLI_CACHE_PATH names it. --profile prints processor seconds of typing, lowering and LLVM,
     how often a kernel was compiled, and for which types of its arguments after the first time.
     """
@@ -139,6 +139,6 @@ def _write_pack(path: Path) -> dict[str, int]:
     content = packed(made, entries)
     prepare_folder(path.parent, len(content))
     write_pieces(path, [content])
-    path.chmod(path.stat().st_mode & ~0o022)  # one that others than its owner may change is not run
+    path.chmod(path.stat().st_mode & ~0o022)  # one that more than its owner may change is not run
     kernels = sum(name.endswith(".kernel") for name in entries)
     return {"kernels": kernels, "states": len(entries) - kernels, "bytes": len(content)}

@@ -78,7 +78,7 @@ def _require_ours(path: Path, overwrite: bool) -> None:
 
 
 def _round(given: Mapping[str, Any], watcher: Watcher, path: Path, frame: int, preview: Preview, states: Path) -> None:
-    """Draw once; faults are told in place, and the picture before stays."""
+    """Draw once; faults are shown in place, and the picture before stays."""
     start = time.perf_counter()
     quiet = given["quiet"]
     try:
@@ -158,7 +158,7 @@ class Watcher:
 
     @contextmanager
     def round(self) -> Iterator[None]:
-        """Follow the files that are opened meanwhile, in whichever way that ends."""
+        """Follow the files that are opened meanwhile, however that ends."""
         with inputs.recording() as found:
             inputs.note(self._preset)
             try:

@@ -43,7 +43,7 @@ def axis(name: str) -> Floats:
 
 
 def turning(up: str, to: str) -> Floats:
-    """The turn (3, 3) that takes one axis to another, by the shorter way; its entries are whole."""
+    """The turn (3, 3) that takes one axis to another, by the lesser angle; its entries are whole."""
     a, b = axis(up), axis(to)
     if up == to:
         return np.eye(3)

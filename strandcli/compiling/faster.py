@@ -163,7 +163,7 @@ def _emit_whole_kernels() -> None:
 
 
 def _simplify_functions_briefly() -> None:
-    """Make functions small before they are linked, by three passes: all others run once they have been inlined."""
+    """Make functions small before they are linked, by three passes: the rest run once they have been inlined."""
     import llvmlite.binding as llvm
     from numba.core.codegen import CPUCodeLibrary
 

@@ -52,12 +52,12 @@ class Folder:
         self.arrays = True
         """Whether arrays are read, or all are computed, as in a new home."""
         self.warn: Callable[[str], None] | None = None
-        """Is handed, once, each line on what keeps kernels from being kept or read."""
+        """Is handed, once, each line on what keeps kernels from being stored or read."""
 
     @property
     def path(self) -> Path:
         """A private folder of this user, into which is written; a temporary one of this process where that cannot be
-        written, or others can write there."""
+        written, or other users can write there."""
         if self._path is None:
             self._path = self._choose()
             listed = os.environ.get("STRANDCLI_CACHE_PATH", "").split(os.pathsep)
@@ -66,7 +66,7 @@ class Folder:
 
     @property
     def trouble(self) -> str | None:
-        """One line: what keeps kernels from being kept for the next run, and what to do; None where they are kept."""
+        """One line: what keeps kernels from being stored for the next run, and what to do; None without."""
         _ = self.path
         return self._trouble
 
@@ -126,7 +126,7 @@ class Folder:
             self.warn(words)
 
     def _opened(self, paths: Iterable[str]) -> list[Store]:
-        """Folders and packs that others may own, but for those that are refused."""
+        """Folders and packs that other users may own, but for those that are refused."""
         found: list[Store] = []
         for path in (Path(one).absolute() for one in paths):
             try:
@@ -139,7 +139,7 @@ class Folder:
     def write(self, path: Path, content: bytes | Iterable[bytes | memoryview]) -> bool:
         """Write a file of this folder, whole or not at all, of bytes or pieces; returns whether it is there.
 
-        The first failure is told to `warn`; no failure is raised.
+        The first failure is reported to `warn`; no failure is raised.
         """
         temporary = None
         try:
@@ -223,7 +223,7 @@ def module_of(text: str, prefix: str, folder: Path) -> Any:
 
 
 def _read_only(path: Path) -> Store:
-    """A folder or pack that nobody but its owner may change. Raises `OSError`, and `PackError` where it is refused."""
+    """A folder or pack that only its owner may change. Raises `OSError`, and `PackError` where it is refused."""
     if not path.is_dir():
         return Pack(path)
     inner = path / f"kernels-{__version__}"

@@ -1,7 +1,7 @@
 """Kinds of processors that kernels are compiled for, each with what all machines of the kind have.
 
 All of x86-64 have fused multiplication and addition, on which the bits of pictures depend: kernels for processors
-without, such as x86-64-v2, would draw others.
+without, such as x86-64-v2, would draw other pixels.
 """
 
 from __future__ import annotations

@@ -50,7 +50,7 @@ def start(threads: int | None = None, notify: Callable[[str], None] | None = Non
 
 
 def tell(notify: Callable[[str], None] | None, warn: Callable[[str], None] | None = None) -> None:
-    """``notify`` is handed what is compiled from now on, ``warn`` that kernels cannot be kept, if that happens."""
+    """``notify`` is handed what is compiled from now on, ``warn`` that kernels cannot be stored, if that happens."""
     clock.notify = notify
     cache.warn = warn
 
@@ -72,7 +72,7 @@ def checked_threads(threads: int | None) -> int:
 
 
 def lacks_compiler(error: BaseException) -> bool:
-    """Whether an error is Numba's way to say that a kernel cannot run without its compiler, which is switched off."""
+    """Whether an error is Numba's message that a kernel cannot run without its compiler, which is switched off."""
     if not isinstance(error, NotImplementedError) or "numba" not in sys.modules:
         return False
     import numba
@@ -104,7 +104,7 @@ def still_idle_threads() -> None:
 
 def give_back_large() -> None:
     """Have large arrays that are freed go back to the system at once, in a process of our own. GNU's C library puts
-    them among others by default, once some have been freed, where they stay: a twentieth of what a dense groom takes.
+    them by default, once some have been freed, where they stay: a twentieth of what a dense groom takes.
     """
     if sys.platform != "linux" or "MALLOC_MMAP_THRESHOLD_" in os.environ:
         return

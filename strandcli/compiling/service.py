@@ -88,7 +88,7 @@ class Worker:
 
 
 class Service:
-    """The workers of this process: one compiles what is asked for, the others what will be."""
+    """The workers of this process: one compiles what is asked for, the rest what will be."""
 
     def __init__(self) -> None:
         self.enabled = True

@@ -47,7 +47,7 @@ class Store:
         """Remove an entry that is not what was written, where that can be done."""
 
     def load(self, name: str, read: Callable[[BinaryIO], T]) -> T | None:
-        """What ``read`` makes of an entry; None where there is none, or where it raises, which is told."""
+        """What ``read`` makes of an entry; None where there is none, or where it raises, which is reported."""
         try:
             with self.opened(name) as file:
                 return read(file)
@@ -93,7 +93,7 @@ class FolderStore(Store):
 
 
 def writers(found: os.stat_result, owner: int | None = None) -> str:
-    """Who but this user, root and ``owner`` may change a folder or a file of the cache, in words; "" where nobody may,
+    """Who but this user, root and ``owner`` may change a folder or a file of the cache, in words; "" where none may,
     and on systems that have no such owners."""
     if not hasattr(os, "getuid"):
         return ""
@@ -117,7 +117,7 @@ class PackError(ValueError):
 
 class Pack(Store):
     """Kernels, and states in which presets begin, as one file, for machines with the same Python, Numba and kind of
-    processor. It is held in memory: what becomes of the file later changes nothing.
+    processor. It is read into memory: what becomes of the file later changes nothing.
 
     Its first line is `MAGIC`, then come the hash of all that follows as a line, and a zip file (`unzip -l` lists it)
     with `MANIFEST`, which says what the kernels were compiled with, and the cache's entries. The hash tells damage, an
@@ -127,7 +127,7 @@ class Pack(Store):
     made: dict[str, Any]
 
     def __init__(self, path: Path) -> None:
-        """Raises `OSError`, and `PackError` where it is not whole or others than its owner may change it."""
+        """Raises `OSError`, and `PackError` where it is not whole or more than its owner may change it."""
         super().__init__(path)
         try:
             self._zip = zipfile.ZipFile(io.BytesIO(_checked(_content(path))))
@@ -171,7 +171,7 @@ def _hash(content: bytes) -> bytes:
 
 
 def _content(path: Path) -> bytes:
-    """The bytes of a pack's file, whoever owns it if nobody else may change it. Raises `OSError`, `PackError`."""
+    """The bytes of a pack's file, whoever owns it if no other user may change it. Raises `OSError`, `PackError`."""
     with open(os.open(path, READ), "rb") as file:
         status = os.fstat(file.fileno())
         if not stat.S_ISREG(status.st_mode) or status.st_size > MOST_BYTES:

@@ -52,7 +52,7 @@ def connected(address: str, workers: int, warn: Callable[[str], None]) -> Iterat
     """A block with a `distributed.Client` whose workers can draw. ``workers``: processes of `LOCAL`, a thread each.
 
     Raises `UsageError` for an address where no scheduler answers and for workers with another strandcli, and
-    `RefusedError` where no worker comes. What may make last bits differ is told to ``warn``.
+    `RefusedError` where no worker comes. What may make last bits differ is reported to ``warn``.
     """
     require_dask()
     logger = logging.getLogger("distributed")
@@ -125,7 +125,7 @@ def _remote(address: str) -> Any:
 
 
 def _compare(client: Any, address: str, warn: Callable[[str], None]) -> None:
-    """Refuse workers whose frames would be others."""
+    """Refuse workers whose frames would differ."""
     mine = facts()
     try:
         found = client.run(worker.facts, on_error="return")

@@ -22,7 +22,7 @@ _drawn: dict[str, _Drawn] = {}
 
 
 def draw(job: Job, task: Task) -> Frame | StrandError:
-    """Return a frame with its picture. What nobody can mend by trying again is returned, not raised: Dask tries again
+    """Return a frame with its picture. What cannot be mended by trying again is returned, not raised: Dask tries again
     what raises."""
     with _turn:
         try:
@@ -38,7 +38,7 @@ class _Drawn:
     """A scene's strands and renderer."""
 
     def __init__(self, job: Job) -> None:
-        """Raises `UsageError` where the files that the scene names are others here."""
+        """Raises `UsageError` where the files that the scene names differ here."""
         from ..compiling import runtime
         from ..run.fingerprint import fingerprint
         from ..run.frame import FrameRenderer

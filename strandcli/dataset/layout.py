@@ -33,7 +33,7 @@ COVERED = 0.5
 END_ON = 1e-4
 """Sine of the angle to the line of sight under which a strand has no direction in the picture."""
 DEGREES = 180
-"""Angles that are told apart."""
+"""Angles that are distinguished."""
 LEAST = 0.09
 """Radians²: what the bank finds in straight waves of its own length, its best."""
 UNKNOWN = math.pi**2 / 12
@@ -99,7 +99,7 @@ def angles(labels: Labels) -> NDArray[np.uint8]:
 def variances(labels: Labels) -> NDArray[np.float16]:
     """(height, width) radians²: how far the directions of the hair about a pixel turn from its own.
 
-    A label has no error of its own; what is told is where directions differ so near to each other that a filter, or a
+    A label has no error of its own; reported is where directions differ so near to each other that a filter, or a
     reader that interpolates, would mix them: `LEAST`, and the mean of sin² of the angle to the hair within the window.
     """
     x, y = labels.direction[..., 0], labels.direction[..., 1]

@@ -122,7 +122,7 @@ def processor() -> Iterator[Finding]:
     """The processor and the vector instructions that LLVM uses of it."""
     try:
         import llvmlite.binding as llvm
-    except Exception:  # told by another check
+    except Exception:  # reported by another check
         return
     features = llvm.get_host_cpu_features()
     known = [name for name in WIDE if features.get(name)] + (["fma"] if features.get("fma") else [])
@@ -139,7 +139,7 @@ def threads() -> Iterator[Finding]:
     except UsageError as error:
         yield Finding("threads", BROKEN, str(error), "unset the variable")
         return
-    except ImportError:  # told by another check
+    except ImportError:  # reported by another check
         return
     text = f"{count} by default; {counted(os.cpu_count() or 1, 'core')}, of which this process may use {usable}"
     if quota is not None:
@@ -177,7 +177,7 @@ def bytecode() -> Iterator[Finding]:
     """Whether Python keeps its modules compiled; if not, each run compiles them again, which takes longer than a small
     picture."""
     spec = importlib.util.find_spec("numba")
-    if spec is None or spec.origin is None:  # told by another check
+    if spec is None or spec.origin is None:  # reported by another check
         return
     cached = importlib.util.cache_from_source(spec.origin)
     if os.path.exists(cached):
@@ -235,7 +235,7 @@ def _folder(folder: Path, writable: bool = True) -> Finding:
     text = f"{folder}: {counted(len(entries), 'kernel or module', 'kernels and modules')}, {megabytes(size)}"
     broken = [one for one in entries if damaged(one, folder.stat())]
     if broken:
-        text += f"; {len(broken)} not used, such as {broken[0].name}: damaged, or writable for others"
+        text += f"; {len(broken)} not used, such as {broken[0].name}: damaged, or writable by other users"
         remedy = "have who may write there remove them and run 'strandcli warmup PRESET'"
         return Finding("cache", NOTE, text, "nothing: they are compiled anew when needed" if writable else remedy)
     if not writable:
@@ -248,7 +248,7 @@ def _folder(folder: Path, writable: bool = True) -> Finding:
 
 
 def damaged(entry: Path, folder: os.stat_result) -> bool:
-    """Whether an entry is not used, for it clearly is none, or others than who owns its folder may change it; a run
+    """Whether an entry is not used, for it clearly is none, or more than the owner of its folder may change it; a run
     looks closer, at a hash of its content."""
     try:
         if writers(entry.lstat(), folder.st_uid):

@@ -93,7 +93,7 @@ LEAF = 16
 
 def arranged(groom: Groom, ends: Sequence[int] = ()) -> Groom:
     """Return the same strands in an order by position; ``places`` are their numbers in the old order. ``ends``: of
-    tiers in that, whose strands stay apart, so that the first of them are the same without the others."""
+    tiers in that, whose strands stay apart, so that the first of them are the same without the rest."""
     cuts = sorted({0, *(end for end in ends if end < groom.strands), groom.strands})
     parts = [begin + spatial_order(groom.roots[begin:end]) for begin, end in pairwise(cuts)]
     order = np.concatenate(parts).astype(np.int32)
@@ -107,7 +107,7 @@ def spatial_order(points: NDArray[np.floating]) -> NDArray[np.int32]:
     count = len(points)
     order = np.arange(count, dtype=np.int32)
     columns = [np.array(points[:, axis]) for axis in range(points.shape[1])]
-    del points  # which nobody else may hold
+    del points  # of which there is no other reference
     size = LEAF
     while size < count:
         size *= 2

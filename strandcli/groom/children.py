@@ -1,6 +1,6 @@
 """Children: drawn strands that are interpolated from simulated ones, the guides, with clumps, waves and an undercoat.
 
-Film productions simulate one strand in twenty and interpolate the others, which costs little. Children are the strands
+Film productions simulate one strand in twenty and interpolate the rest, which costs little. Children are the strands
 that the emitter would make if it made so many: a child's root, colour and length depend on the seed and its number
 alone, and the guides are the first children. A child is interpolated from its three nearest guides with Shepard's
 weights within the distance of the fourth (Franke and Nielson 1980); at a guide it is that guide.
@@ -163,7 +163,7 @@ class Children:
 
     def _place(self, at: float) -> tuple[NDArray[np.float32], NDArray[np.float32]]:
         """Return roots (A, 3), metres, and vectors across (A, 3), as in `family`, at a time in seconds, in the world.
-        They are kept for as long as they stand still."""
+        They are cached for as long as they stand still."""
         pose = emitter_pose(self.scene.emitter, at if self._carried else 0.0)
         if self._placed is None or self._placed[0] != pose or self._deforming is not None:
             family = self.family
@@ -189,7 +189,7 @@ class Children:
 
     @cached_property
     def _pulling(self) -> slice:
-        """The levels of clumps from the first to the last that pull any child; others are there for tones alone."""
+        """The levels of clumps from the first to the last that pull any child; the rest are there for tones alone."""
         levels = np.flatnonzero([pulls.any() for pulls in self.family.pulls])
         return slice(levels[0], levels[-1] + 1) if len(levels) else slice(0)
 
@@ -236,7 +236,7 @@ def _moved(
     points: NDArray[np.floating], rotation: NDArray[np.float64], shift: NDArray[np.float64]
 ) -> NDArray[np.float32]:
     """Return points (A, 3), turned and then shifted. Not by BLAS: its threads wait for each other longer than this
-    takes one of them, most of all where others draw frames beside it."""
+    takes one of them, most of all where more threads draw frames beside it."""
     x, y, z = (np.asarray(points[:, c], np.float64) for c in range(3))
     out = np.empty(points.shape, np.float32)
     for c, (a, b, d) in enumerate(rotation):

@@ -68,7 +68,7 @@ class FileRoots:
 
 
 def rigid(first: Floats, second: Floats) -> Floats:
-    """Return the rotation (3, 3) that takes points (k, 3) to others best (Kabsch 1976), none of those on a line."""
+    """Return the rotation (3, 3) that takes points (k, 3) to their targets best (Kabsch 1976), not all on a line."""
     a, b = first - first.mean(axis=0), second - second.mean(axis=0)
     u, extents, v = np.linalg.svd(b.T @ a)
     if extents[1] <= FLAT * extents[0]:
@@ -78,8 +78,8 @@ def rigid(first: Floats, second: Floats) -> Floats:
 
 
 def least_turns(first: Floats, second: Floats) -> Floats:
-    """Return the rotations (n, 3, 3) by the least angles that take unit vectors (n, 3) to others; half a turn about any
-    axis across where they are opposite."""
+    """Return the rotations (n, 3, 3) by the least angles that take unit vectors (n, 3) to their targets; half a turn
+    about any axis across where they are opposite."""
     total = first + second
     back = np.einsum("ni,ni->n", total, total) < EXACT
     x = np.abs(first[:, :1]) < 0.9

@@ -112,7 +112,7 @@ def at_anchors(mesh: TriangleMesh, anchors: Anchors) -> tuple[Floats, Floats]:
 
 
 def seedbed(shape: MeshShape) -> Seedbed:
-    """Return a mesh as strands are spread over it, kept as long as its files stay. Raises `UsageError`."""
+    """Return a mesh as strands are spread over it, cached as long as its files stay. Raises `UsageError`."""
     return _seedbed(shape.file, placing(shape), shape.density, shape.above)
 
 

@@ -25,7 +25,7 @@ class Anchors(NamedTuple):
 
 
 class Bend(NamedTuple):
-    """How strands turn toward the surface on their way to the tip. n: strands."""
+    """How strands turn toward the surface from root to tip. n: strands."""
 
     angle: float
     """In all, radians."""

@@ -38,7 +38,7 @@ Floats = NDArray[np.float64]
 Over = Callable[[Floats, Floats], Floats]
 
 ON_SURFACE = 14
-"""Points of a path along the surface; the others of `TIED` are on the curve into the bundle."""
+"""Points of a path along the surface; the rest of `TIED` are on the curve into the bundle."""
 TURN = 1.2
 """Distance from the bundle at which strands turn up, in heights of the tie."""
 NEAR = 1e-9

@@ -10,7 +10,7 @@ from pathlib import Path
 from ..errors import UsageError, one_line
 
 MARK = b"<!doctype html>\n<!-- strandcli report -->\n"
-"""First bytes of every report, by which it is told from files of others."""
+"""First bytes of every report, by which it is known among other files."""
 STYLE = """
 :root { color-scheme: light dark; --paper: #f6f6f4; --card: #fff; --ink: #1f2328; --faint: #68707a; --line: #e3e4e1;
   --accent: #b4552d; --good: #2f7d4f; --bad: #b3261e; --warn: #8a6100; --warned: #fff6dd; --shade: #efefec; }

@@ -3,7 +3,7 @@
 The tree over the triangles of a head, the grid of its distances, the tables of a material and what children follow take
 half a second, longer than a small picture. A file's name is the hash of all that its arrays follow from: what they are
 computed of, the text of the modules that compute them, and the versions and instructions that their bits depend on. One
-that is damaged, or that others may change, is made again; where nothing can be cached, arrays are computed each time.
+that is damaged, or that other users may change, is made again; where none can be cached, arrays are made each time.
 """
 
 from __future__ import annotations
@@ -30,7 +30,7 @@ STATES = "first-frame"
 FOR_PACKS: set[str] = set()
 """Names of the states that this process has found or computed."""
 LARGEST = 128 << 20
-"""Bytes of a file's arrays, so that a few files of this size do not drive out all others."""
+"""Bytes of a file's arrays, so that a few files of this size do not drive out the rest."""
 SETTINGS = ("NPY_DISABLE_CPU_FEATURES", "NPY_ENABLE_CPU_FEATURES", "OPENBLAS_CORETYPE")
 """Variables that NumPy's bits may follow from."""
 

@@ -192,7 +192,7 @@ def _checked(data: bytes, key: bytes) -> bytes:
 
 
 class LoadedLibrary(JITCodeLibrary):
-    """A kernel's machine code; its intermediate code, with which Numba links it with others that are compiled, is read
+    """A kernel's machine code; its intermediate code, with which Numba links it with kernels that are compiled, is read
     when Numba asks for it: that takes half of the time in which a kernel is loaded, and most runs compile nothing."""
 
     _unread: bytes | None = None
@@ -211,7 +211,7 @@ class LoadedLibrary(JITCodeLibrary):
         self._unread, self._read = None, module
 
     def get_pointer_to_function(self, name: str) -> int:
-        """Where a function of the kernel is, 0 for none. Names that nobody has asked for are known when all is read."""
+        """Where a function of the kernel is, 0 for none. Names that were never asked for are known when all is read."""
         if not self._codegen._engine.is_symbol_defined(name):
             _ = self._shared_module
         return int(super().get_pointer_to_function(name))
@@ -234,8 +234,8 @@ class _Parts(pickle.Unpickler):
 
 
 def _environment(module: str, constants: Any, name: str) -> Any:
-    """What `numba.core.environment._rebuild_env` returns. Of a module that nobody has imported, one with its constants
-    alone, for this kernel: globals are read by code in object mode, which kernels are not."""
+    """What `numba.core.environment._rebuild_env` returns. Of a module that has not been imported, one with its
+    constants alone, for this kernel: globals are read by code in object mode, which kernels are not."""
     found = environment.lookup_environment(name)
     if found is None and module in sys.modules:
         return environment._rebuild_env(module, constants, name)

@@ -1,7 +1,7 @@
 """Which files of a folder a run is writing: two runs that write the same ones at once would mix two films.
 
 A claim is a lock on bytes of a hidden file, a byte a frame, so that several runs, on several machines that share the
-folder too, may each write frames of their own. The system lets go of it when its process ends, in whatever way: a file
+folder too, may each write frames of their own. The system lets go of it when its process ends, however: a file
 that a killed run has left claims nothing. Where a file system has no locks, nothing is claimed and nothing refused.
 """
 
@@ -59,7 +59,7 @@ class Claim:
                 return
 
     def release(self) -> None:
-        """Let go, and remove the file where nobody else holds a part of it."""
+        """Let go, and remove the file where no other process has a part of it."""
         if self._file >= 0:
             with suppress(OSError):
                 _hold(self._file, _ALL)

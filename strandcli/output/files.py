@@ -1,7 +1,7 @@
 """Files that are either whole or absent: written under a temporary name in the same folder, then renamed.
 
-A temporary file is named ``.NAME.HOST.PID.tmp``, so that one left by a killed run can be told from one that another
-run, perhaps on another machine that shares the folder, is writing just now.
+A temporary file is named ``.NAME.HOST.PID.tmp``, so that one left by a killed run can be distinguished from one that
+another run, perhaps on another machine that shares the folder, is writing just now.
 """
 
 from __future__ import annotations

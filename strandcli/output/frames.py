@@ -31,7 +31,7 @@ NICENESS = 5
 
 @dataclass(frozen=True, slots=True)
 class Written:
-    """One finished file. ``seconds`` is the time of hashing, encoding and writing; None for a frame that was kept."""
+    """One finished file. ``seconds`` is the time of hashing, encoding and writing; None for earlier runs'."""
 
     frame: int
     file: str
@@ -72,7 +72,7 @@ class FrameWriter:
         layers: Sequence[str] = (),
         exr: bool = False,
     ) -> None:
-        """``size`` is (width, height). ``scene`` is a fingerprint kept inside each file, so that ``resume`` can tell
+        """``size`` is (width, height). ``scene`` is a fingerprint stored in each file, so that ``resume`` can tell
         frames of another scene. ``also`` names further files that the run will write and must not find, ``own`` those
         which it will replace if they are strandcli's. ``layers`` are those that come with each picture, and ``exr``
         whether as EXR too (see `layers.write_layers`).

@@ -4,7 +4,7 @@ with all of them.
 
 `linear` has no PNG of its own: the picture is that. In EXR depth is ``Z``, the linear picture ``R G B A``, whose ``A``
 is 1 with a background, else what strands and solids cover, which ``R G B`` are multiplied by; tangents are
-``tangent.X``, ``.Y``, ``.Z``, and others have their own names.
+``tangent.X``, ``.Y``, ``.Z``, and the rest have their own names.
 """
 
 from __future__ import annotations

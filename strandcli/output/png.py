@@ -40,7 +40,7 @@ LARGEST_CHUNK = 1 << 20
 def pixels_sha256(image: Pixels) -> str:
     """Hash of what a picture shows: its shape as little-endian 64-bit numbers, then its bytes, row by row.
 
-    Never the hash of a PNG file: the same pixels may be compressed in many ways.
+    Never the hash of a PNG file: the same pixels may be compressed differently.
     """
     digest = hashlib.sha256(np.array(image.shape, dtype="<i8").tobytes())
     digest.update(np.ascontiguousarray(image).data)

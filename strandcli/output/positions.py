@@ -29,7 +29,7 @@ class Motion(NamedTuple):
     """What positions follow from."""
 
     fingerprint: str
-    """Hash of that, and of the version of strandcli; empty where nobody says."""
+    """Hash of that, and of the version of strandcli; empty where not known."""
     settings: dict[str, Any]
     """All settings that move strands, as `strandcli.run.fingerprint.motion_values` has them."""
 

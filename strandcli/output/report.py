@@ -1,7 +1,7 @@
 """report.json: what a run did, on which machine, how long each stage took, and how far off it is.
 
 A key that the run has no value for is absent or null; nothing is ever made up. Where several runs draw frames of one
-scene into a folder, one after the other or at once, each takes over what the report there says of the others' frames.
+scene into a folder, one after the other or at once, each takes over what the report there says of the earlier frames.
 """
 
 from __future__ import annotations
@@ -26,9 +26,9 @@ PATIENCE = 60.0
 
 
 def peak_rss_bytes() -> int:
-    """The most memory that this process has held so far; 0 where the system does not tell.
+    """The most memory that this process has had so far; 0 where the system does not tell.
 
-    Linux's ``getrusage`` counts what the process that started this one held then, too; its ``status`` does not.
+    Linux's ``getrusage`` counts what the process that started this one had then, too; its ``status`` does not.
     """
     try:
         with open("/proc/self/status", encoding="ascii", errors="replace") as status:

@@ -126,7 +126,7 @@ def picture_bytes(plan: Plan, scene: Scene) -> int:
             vertices = min(vertices, BATCH_VERTICES + vertices // max(strands, 1) * W)
         elif strands * sizes.points > SORTED_POINTS:  # a batch, and a band, with what is beside it
             vertices = min(vertices, BAND_VERTICES + 2 * max(BAND_VERTICES, vertices // BANDS))
-    # in the world, how far along their strands they stand, which way these go
+    # in the world, how far along their strands they stand, which direction these have
     total = vertices * {"adaptive": 16, "thinned": 28}.get(scene.curves.mode, 12)
     total += _turns_bytes(plan, scene, vertices)
     total += strands * (8 + 8 + 2 * (sizes.points - 1) + 4 + 8 + 8)

@@ -52,7 +52,7 @@ _ONLY_DRAWN = {
     "solids": {"colour", "coat", "roughness", "mottle", "grain", "subsurface", "visible", "colour_from", "texture",
                "crease", "fade"},
 }  # fmt: skip
-"""Settings within others, by the name of these."""
+"""Settings within mappings, by the name of these."""
 
 
 def motion_values(scene: Scene) -> dict[str, Any]:

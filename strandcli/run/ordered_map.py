@@ -22,7 +22,7 @@ def worker_count(threads: int, frames: int, sequential: float, parallel: float, 
     """How many frames to work on at once.
 
     ``sequential``, ``parallel``: seconds that a frame takes in the two stages, each on all threads; ``fits``: frames
-    that memory has room for. While one frame is in the sequential stage the others are drawn, so there is no use in
+    that memory has room for. While one frame is in the sequential stage the rest are drawn, so there is no use in
     more than (sequential + parallel) / sequential of them.
     """
     useful = frames if sequential <= 0 else int((sequential + parallel) / sequential)

@@ -62,7 +62,7 @@ def fitting_size(label: str, size: int, width: int) -> int:
 
 
 def merged(parts: Sequence[dict[str, Any]], join: Any) -> dict[str, Any]:
-    """What joins the values of each key, those that are not None; None where there are no others."""
+    """What joins the values of each key, those that are not None; None where all are None."""
     keys = dict.fromkeys(key for part in parts for key in part)
     known = {key: [part[key] for part in parts if part.get(key) is not None] for key in keys}
     return {key: join(values) if values else None for key, values in known.items()}

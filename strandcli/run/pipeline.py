@@ -45,9 +45,9 @@ def render(
 
     ``positions`` hands in what was simulated before, by frame number. Raises `SimulationError` at the first frame that
     has gone wrong (see `simulate.health`), drawn or not, and `UsageError` for a number of threads that the machine does
-    not have. With ``keep_going`` the trouble is told to ``warn`` once, and strands that cannot be drawn are left out.
-    ``warn`` also hears what is hardly meant before the first frame (see `simulate.advice`). With ``checkpoints`` the
-    simulation goes on from the nearest one. Between two frames the caller's number of threads is as it was.
+    not have. With ``keep_going`` the trouble is reported to ``warn`` once, and strands that cannot be drawn are left
+    out. ``warn`` also hears what is hardly meant before the first frame (see `simulate.advice`). With ``checkpoints``
+    the simulation goes on from the nearest one. Between two frames the caller's number of threads is as it was.
     """
     options = RunOptions(draw, keep_positions, keep_going, notify, warn, checkpoints)
     count = runtime.checked_threads(threads)

@@ -67,7 +67,7 @@ class MovedStrands:
     ids: NDArray[np.int32] | None = None
     """Of each strand its place in the order of emission, where they do not stand in it."""
     groom: Groom | None = None
-    """Strands that are others than those at first; else None."""
+    """Strands that are not those at first; else None."""
 
 
 class SimulationStage:
@@ -168,7 +168,7 @@ class SimulationStage:
         return self._of_frame(moved) if draw else moved
 
     def _of_frame(self, moved: MovedStrands) -> MovedStrands:
-        """The strands of the tiers that a frame is drawn from, whichever are simulated for others."""
+        """The strands of the tiers that a frame is drawn from, whichever are simulated for the rest."""
         count = needed_strands(self.scene, [moved.frame.number])
         if count >= min(self.groom.strands, self.scene.emitter.strands):
             return moved

@@ -1,4 +1,4 @@
-"""Level of detail as a scene alone tells it: which share of the strands is kept at a distance, and how many strands a
+"""Level of detail as a scene alone tells it: which share of the strands is drawn at a distance, and how many strands a
 frame can show. `strandcli.draw.geometry.detail` says what the share means."""
 
 from __future__ import annotations
@@ -117,7 +117,7 @@ def tiers(total: int) -> list[int]:
 
 def tiers_of(scene: Scene) -> list[int]:
     """Return the tiers of a scene's strands, of which a frame takes the first few; all in one where strands are needed
-    though they are not drawn: as guides, for a tie, or because they act on the others."""
+    though they are not drawn: as guides, for a tie, or because they act on the rest."""
     apart = scene.detail is None or scene.children is not None or scene.emitter.followers is not None
     if apart or scene.emitter.tie is not None or any(use.name in MUTUAL for use in scene.rules):
         return [scene.emitter.strands]

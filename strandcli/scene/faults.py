@@ -57,7 +57,7 @@ class Finding(NamedTuple):
     """Something wrong between settings.
 
     ``places`` are the paths to report it at: the first of them that was written, or around the first where none was.
-    ``involves`` are all the paths that it follows from, where these are others; where one of them is faulty, it may
+    ``involves`` are all the paths that it follows from, where these are more; where one of them is faulty, it may
     not be so.
     """
 

@@ -79,7 +79,7 @@ def settings_of(cls: type) -> Mapping[str, Setting]:
 
 
 def value_at(node: Any, path: str) -> Any:
-    """The value at a path; None where there is none, or a part of the way to it is absent."""
+    """The value at a path; None where there is none, or a part of the path to it is absent."""
     for part in path.split("."):
         if node is None:
             return None
@@ -88,7 +88,7 @@ def value_at(node: Any, path: str) -> Any:
 
 
 def with_value(node: Any, path: str, value: Any) -> Any:
-    """The same with another value at a path, which is not validated; a mapping on the way that is absent is made."""
+    """The same with another value at a path, which is not validated; a mapping on the path that is absent is made."""
     head, _, rest = path.partition(".")
     if isinstance(node, tuple):
         index = int(head)

@@ -1,4 +1,4 @@
-"""Presets as files: those that are shipped, found by name, others by path, and what each extends, laid one over the
+"""Presets as files: those that are shipped, found by name, the user's by path, and what each extends, laid one over the
 other."""
 
 from __future__ import annotations

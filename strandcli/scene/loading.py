@@ -142,7 +142,7 @@ def _whole(root: MapNode, rules: Rules, faults: list[Fault], files: Sequence[str
 def _panel(
     base: MapNode, node: Node, path: str, rules: Rules, known: set[tuple[Mark, str]], rank: Rank
 ) -> tuple[Scene | None, list[Fault]]:
-    """One panel's scene and its faults; ``known`` faults of the base are not told again."""
+    """One panel's scene and its faults; ``known`` faults of the base are not reported again."""
     if not isinstance(node, MapNode):
         return None, [fault_at(node.mark, path, f"must be a mapping with `label` and `set`, not {kind_of(node)}")]
     faults = [

@@ -192,7 +192,7 @@ def _pose(position: Vector, rotation: Vector, keys: Sequence[PoseKey], time: flo
 
 
 def _between(keys: Sequence[Key], time: float) -> tuple[Key, Key, float]:
-    """The keys on both sides of ``time`` and the eased share of the way between them; clamped outside of all keys."""
+    """The keys on both sides of ``time`` and the eased share between them; clamped outside of all keys."""
     if time <= keys[0].time:
         return keys[0], keys[0], 0.0
     place = bisect_right(keys, time, key=lambda key: key.time)

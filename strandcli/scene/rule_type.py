@@ -1,4 +1,4 @@
-"""What the scene has to be told about a rule in order to read it from a preset: nothing about how it moves anything."""
+"""What the scene has to know about a rule in order to read it from a preset: nothing about how it moves anything."""
 
 from __future__ import annotations
 

@@ -142,7 +142,8 @@ def _place(
 
 
 def _named(node: Node, before: Node) -> Node:
-    """An entry of a list with the name of the one whose place it takes, if it has none: others ask for it by that."""
+    """An entry of a list with the name of the one whose place it takes, if it has none: the rest refer to it by
+    that."""
     name = before.entries.get("name") if isinstance(before, MapNode) else None
     if name is None or not isinstance(node, MapNode) or "name" in node.entries:
         return node

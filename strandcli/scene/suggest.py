@@ -1,4 +1,4 @@
-"""What was meant by a setting that there is not: where it belongs, what it was once, or what others call it."""
+"""What was meant by a setting that there is not: where it belongs, what it was once, or what other programs call it."""
 
 from __future__ import annotations
 

@@ -78,7 +78,7 @@ class _Builder:
 
     def build(self, text: str) -> Node | None:
         """The tree of ``text``, or None where it holds no document. By libyaml, 100 times faster; but what is wrong is
-        told best by the parser in Python."""
+        explained best by the parser in Python."""
         import yaml  # 30 ms, which commands that read no preset need not spend
 
         if yaml.__with_libyaml__:
@@ -114,7 +114,7 @@ class _Builder:
         return root
 
     def node(self, event: yaml.Event, events: Iterator[yaml.Event], depth: int) -> Node:
-        """The tree that an event begins, so deep inside others."""
+        """The tree that an event begins, so deep inside its parents."""
         import yaml
 
         mark = self.mark(event.start_mark)

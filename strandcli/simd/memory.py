@@ -17,7 +17,7 @@ from ..jit import device
 from .kinds import PointerType, VectorType, places_of, vector_of, widened
 
 FOR_READING, SECOND_CACHE, DATA = 0, 2, 1
-"""What LLVM's prefetch is told."""
+"""Arguments of LLVM's prefetch."""
 
 
 def _address(whole: bool, size: int = VECTOR, fused: bool = False) -> Callable[..., Any]:

@@ -48,7 +48,7 @@ def run(
     overrides: Sequence[str] = (), notify: Notify | None = None,
 ) -> dict[str, Any]:  # fmt: skip
     """All figures of one sitting. ``settings``, by path, have ``emitter.strands``, ``emitter.particles`` and
-    ``solver``; ``overrides`` change others, as after ``--set``, but not what `rules` and
+    ``solver``; ``overrides`` change the rest, as after ``--set``, but not what `rules` and
     `lines` time."""
     strands, particles = settings["emitter.strands"], settings["emitter.particles"]
     settings = {**settings, "image.size": list(size), "time.frames": max(frames + 1, 2)}

@@ -1,4 +1,5 @@
-"""The axis of motion: where a preset's strands are, against the limit that finer settings of the same solver lead to.
+"""The axis of motion: where a preset's strands are, against the limit that finer settings of the same solver converge
+to.
 
 Strands are compared at fixed physical times and at even shares of their length; the error is that of the median strand,
 and those of the worst are reported beside. Every solver is measured against its own limit, because each moves another

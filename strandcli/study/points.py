@@ -23,7 +23,7 @@ class Point:
     """One setting, measured."""
 
     parameters: Parameters
-    """Settings by the path that `--set` takes; ``dt`` where it is not made of others."""
+    """Settings by the path that `--set` takes; ``dt`` where it is not made of the rest."""
     seconds: float
     error: dict[str, float | None]
     """By metric, as shares; None where the run does not hold the quantity."""

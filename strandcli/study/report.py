@@ -55,7 +55,7 @@ def order_words(orders: Sequence[dict[str, Any]], line: str, metric: str) -> lis
 
 
 def columns(rows: Sequence[Sequence[str]], left: Sequence[int]) -> list[str]:
-    """Lines of a table; the columns whose numbers are ``left`` are flush left, the others right."""
+    """Lines of a table; the columns whose numbers are ``left`` are flush left, the rest right."""
     widths = [max(map(len, column)) for column in zip(*rows, strict=True)]
     return [
         "  ".join(

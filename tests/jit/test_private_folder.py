@@ -213,7 +213,7 @@ def test_what_others_may_change_in_a_folder_that_cannot_be_written_is_not_run(
         as_owner(entry, 0o646)
         begin(monkeypatch)
         assert not called()
-        assert f"1 not used, such as {entry.name}: damaged, or writable for others" in next(doctor.kernels()).text
+        assert f"1 not used, such as {entry.name}: damaged, or writable by other users" in next(doctor.kernels()).text
         as_owner(entry, 0o444)
         as_owner(inner, 0o757)
         assert "other users may change it" in str(begin(monkeypatch).trouble)

@@ -1,6 +1,6 @@
 """Strands that follow simulated ones: where every point of a strand goes when its guides move.
 
-A guide that lay at g°(u) at rest and now lies at g(u) has moved by D(u) = g(u) − g°(u) and turned by q(u), at the share
+A guide that was at g°(u) at rest and now is at g(u) has moved by D(u) = g(u) − g°(u) and turned by q(u), at the share
 u of its length. A strand's point x° at rest goes to
 
     x = x° + D + (q d q* − d),   d = x° − g°,
@@ -57,7 +57,7 @@ class Strands(NamedTuple):
 
 @parallel
 def motions(positions, rest, turn, table):
-    """Write a table (G, T, `COLUMNS`) of guides at positions (blocks, n + 1, 3 W), which lay at ``rest`` in the same
+    """Write a table (G, T, `COLUMNS`) of guides at positions (blocks, n + 1, 3 W), which were at ``rest`` in the same
     layout; turn (G, 4) the rotations at their roots, unit quaternions with their real parts first."""
     for g in prange(table.shape[0]):
         turns = np.empty((rest.shape[1] - 1, 4), np.float64)

@@ -37,7 +37,7 @@ def nearest(points, cells, out, squares):
     """Write the nearest K of other points to each point to out (N, K) int32, nearest first, and their squared distances
     to squares (N, K) float32.
 
-    points (N, D) float32; cells: `Cells` of the others, K at least.
+    points (N, D) float32; cells: `Cells` of the candidates, K at least.
     """
     for i in prange(points.shape[0]):
         search(points[i], cells, out[i], squares[i])

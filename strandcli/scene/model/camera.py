@@ -85,7 +85,7 @@ class Camera:
 
 
 AOVS = ("depth", "mask", "solid", "tangent", "orientation", "strand_id", "shadow", "linear")
-"""Layers beside the picture; what each holds is told in `strandcli.draw.film.aovs`."""
+"""Layers beside the picture; what each holds is described in `strandcli.draw.film.aovs`."""
 
 
 @dataclass(frozen=True, slots=True, repr=False)

@@ -133,7 +133,7 @@ class Followers:
     strands: int
     """That the file has."""
     kept: int
-    """Of them, those that some frame draws: level of detail leaves the others out."""
+    """Of them, those that some frame draws: level of detail leaves the rest out."""
     points: int
     """Of each, as it is drawn."""
     file_points: int

@@ -42,7 +42,7 @@ class Time:
         return self.frames / self.fps if self.loop else 0.0
 
     def pose_time(self, time: float) -> float:
-        """Where keys are read at a time in seconds: before frame 1 they are held, unless the motion repeats."""
+        """Where keys are read at a time in seconds: before frame 1 they stand still, unless the motion repeats."""
         return time % self.period if self.loop else max(time, 0.0)
 
 
@@ -113,7 +113,7 @@ class Scene:
 
     @property
     def guided(self) -> bool:
-        """Whether some strands of a file are simulated and the others follow them. By the source's solver the emitter's
+        """Whether some strands of a file are simulated and the rest follow them. By the source's solver the emitter's
         motion alone carries a file's strands rigidly, and nothing is simulated."""
         if self.emitter.groom is None:
             return False

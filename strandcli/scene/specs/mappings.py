@@ -34,7 +34,7 @@ class ModelSpec(Spec):
 
 
 class UnionSpec(Spec):
-    """A mapping with the settings of one of several classes, told by its ``kind``; without one, the default's."""
+    """A mapping with the settings of one of several classes, chosen by its ``kind``; without one, the default's."""
 
     def __init__(self, default: Any, kinds: Mapping[str, type], *, doc: str = "") -> None:
         super().__init__(default, doc=doc)

@@ -199,7 +199,7 @@ def touch(p, m, start, end, first):
 
 @inlined
 def chosen(lanes, a, b):
-    """Return vector a in some lanes, b in others."""
+    """Return vector a in some lanes, b in the rest."""
     return where(lanes, a[0], b[0]), where(lanes, a[1], b[1]), where(lanes, a[2], b[2])
 
 

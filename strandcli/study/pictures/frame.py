@@ -112,7 +112,7 @@ class FrameStudy(WholeFrame):
     of_processor = False
 
     def choices(self) -> list[Parameters]:
-        """The finest, so that what can be reached is known however long the others take; the preset's own settings, the
+        """The finest, so that what can be reached is known however long the rest take; the preset's own settings, the
         qualities, and samples and tolerances between them."""
         draft, default, best = (settings_for(name, self.scene) for name in ("draft", "default", "best"))
         fine: dict[str, Any] = {"image.resolver": "sorted", **ADAPTIVE}

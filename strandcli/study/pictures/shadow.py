@@ -52,7 +52,7 @@ class Vertices(NamedTuple):
 
 
 class ShadingRenderer(LinearRenderer):
-    """Keeps the light at vertices: those of strands behind others too, which pictures of thin strands show as well."""
+    """Keeps the light at vertices: those of hidden strands too, which pictures of thin strands show as well."""
 
     def draw(self, *args: Any, **kwargs: Any) -> Any:
         self.shaded: dict[int, tuple[Polylines, NDArray[np.float32]]] = {}
@@ -63,7 +63,7 @@ class ShadingRenderer(LinearRenderer):
         lines, begin = batch.lines, batch.begin
         self.scratch.borrow("colours", (len(lines.world), 3), np.float32).fill(np.nan)
         colours = super().shade(lighting, batch, *rest)
-        if begin in self.shaded:  # the picture's next rows show others of the same strands
+        if begin in self.shaded:  # the picture's next rows show more of the same strands
             light = self.shaded[begin][1]
             np.copyto(light, colours, where=np.isnan(light))
         else:

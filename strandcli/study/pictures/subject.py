@@ -172,6 +172,6 @@ class Subject:
 
 
 def _small(size: tuple[int, int]) -> tuple[int, int]:
-    """A picture's size at about `PIXELS` pixels, its shape kept; a smaller one as it is."""
+    """A picture's size at about `PIXELS` pixels, of its shape; a smaller one as it is."""
     share = min(1.0, math.sqrt(PIXELS / (size[0] * size[1])))
     return max(1, round(size[0] * share)), max(1, round(size[1] * share))

@@ -138,7 +138,7 @@ class Windows(Subject):
 
     def calibrate(self) -> float:
         """Draw the whole frame with the scene's own settings, and return the seconds that it took: by what windows take
-        with these, `draw` learns what a frame takes with others."""
+        with these, `draw` learns what a frame takes with more."""
         whole = self.draw_whole(self.scene).seconds
         self._own = {}
         parts = self.draw(self.scene).seconds
@@ -167,7 +167,7 @@ def spread(
 
     mask (height, width): the share of each pixel that strands cover; picture (height, width, 3): linear light, its
     upper left pixel at ``corner``. The picture is cut into tiles of `SIDE` pixels (smaller where it is), those without
-    strands are left out, the others are put in order of how much neighbouring pixels differ, which errors go with; of
+    strands are left out, the rest are put in order of how much neighbouring pixels differ, which errors go with; of
     ``number`` equal parts of this list, each gives the tile in its middle.
     """
     height, width = mask.shape

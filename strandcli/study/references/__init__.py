@@ -97,7 +97,7 @@ def solver_for(scene: Scene, case: Case) -> RodSolver:
     """The solver of a case's scene, its extra conditions set."""
     solver = RodSolver(scene, case.groom)
     if case.tip_mass:
-        # masses are kept relative to a segment's, of which a strand has as many as it has particles but the root
+        # masses are stored relative to a segment's, of which a strand has as many as it has particles but the root
         solver.weight_tip(case.tip_mass * (scene.emitter.particles - 1))
     return solver
 

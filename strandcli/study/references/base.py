@@ -57,7 +57,7 @@ class Reference:
     title: str
     """One line for people."""
     metric: str
-    """The error that settings are chosen by; `measure` gives it among others."""
+    """The error that settings are chosen by; `measure` gives it among more."""
     unit: str
     """What the metric is a share of."""
     needs: str

@@ -1,8 +1,8 @@
 """Friction between strands: one that lies across others, down a slope, begins to slide at the angle atan µ (Coulomb).
 
-Each of several slopes has rails, short strands that lead straight down it, and a long one that lies across them and is
+Each of several slopes has rails, short strands straight down it, and a long one that lies across them and is
 clamped at its root. What friction does not hold of its weight along the slope bends it downhill, in proportion to
-tan (slope) − µ. Slopes are a degree apart, and as many are flatter than atan µ as steeper: the way of tips on the
+tan (slope) − µ. Slopes are a degree apart, and as many are flatter than atan µ as steeper: the distance of tips on the
 steeper ones, drawn on to where it vanishes, is the angle. What the first touch moves on the flatter ones before it
 sticks is less than any of these distances.
 """

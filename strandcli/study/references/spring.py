@@ -1,9 +1,10 @@
 """A helical spring that carries a weight on its axis: it is stretched by twisting the wire (Wahl 1963).
 
 A coil of n turns of a wire of thickness d, D across, has the stiffness k = G d⁴ / (8 n D³) where it is slender, which
-is GJ / (2π n R³). Here the wire climbs, so that it bends as well: its part of the way is R² s (cos² α / GJ + sin² α /
-EI) for a climb α and a length s. An arm of the same wire leads from the coil's end to the axis, where the weight is,
-and bends by R³ / (3 EI); what the wire itself weighs is added by quadrature. The coil is clamped along its tangent.
+is GJ / (2π n R³). Here the wire climbs, so that it bends as well: its part of the displacement is R² s (cos² α / GJ +
+sin² α / EI) for a climb α and a length s. An arm of the same wire leads from the coil's end to the axis, where the
+weight is, and bends by R³ / (3 EI); what the wire itself weighs is added by quadrature. The coil is clamped along its
+tangent.
 """
 
 from __future__ import annotations
@@ -77,7 +78,7 @@ def bending(arm: int) -> float:
 
 def displacement(arm: int) -> float:
     """How far down the end comes, metres: the work of the loads' moments along the wire on those of a unit load at the
-    end (Castigliano), for small ways."""
+    end (Castigliano), for small displacements."""
     middles, tangents, sizes = wire(arm)
     rigid = bending(arm)
     end = coil(arm)[-1]
@@ -104,7 +105,7 @@ def case(particles: int) -> Case:
 
 
 def measure(track: Track) -> Errors:
-    """``stiffness``: relative error of weight over way."""
+    """``stiffness``: relative error of weight over displacement."""
     arm = arm_of(track.last.shape[1])
     return {"stiffness": off(displacement(arm), -float(track.last[0, -1, 1] - coil(arm)[-1, 1]))}
 

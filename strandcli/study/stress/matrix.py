@@ -237,7 +237,7 @@ def grooms(solver: str) -> Iterator[Case]:
 
 
 def segments() -> Iterator[Case]:
-    """Rods: random strands whose whole segments are kept out of spheres, and not their particles alone."""
+    """Rods: random strands whose whole segments stay out of spheres, and not their particles alone."""
     for contact, n in product(("inside", "through", "small", "moving"), ("3", "10")):
         yield Case.of("rod", {"contact": contact, "n": n, "strands": "129", "start": "random", "collide": "segments"})
 

@@ -241,7 +241,7 @@ def _begin() -> None:
 
 
 def _end_with_parent() -> None:
-    """End this process when the one that began it has ended, however: where that was killed nobody says so, and a
+    """End this process when the one that began it has ended, however: where that was killed it cannot say so, and a
     process that is handed no more work waits for it for good."""
     parent = multiprocessing.parent_process()
     assert parent is not None

@@ -31,7 +31,7 @@ GROUP = 4
 CLOSE = 0.05
 """By how much their roots are brought together where no solid is in their way."""
 RADIUS = 0.02
-"""Of theirs, in L: others have 2 L, which no cell could be smaller than."""
+"""Of theirs, in L: the rest have 2 L, which no cell could be smaller than."""
 COIL, AXIS = 0.6, np.array([0.8, 0.6, 0.0])
 """Radians by which a coil's edges turn from one to the next, about which unit vector."""
 
