@@ -1,5 +1,5 @@
 """A view as other programs have it: where a camera stands, how it is turned, and its projection in pixels; lenses
-of camera files as that has them, with square pixels and no distortion; and which way is up in the world of views.
+of camera files as that has them, with square pixels and no distortion; and which axis is up in the world of views.
 
 Points of a picture are measured in pixels from its upper left corner, x to the right and y down, so that the middle of
 the first pixel is (0.5, 0.5), as in COLMAP, in nerfstudio and in `strandcli.draw.view.camera`. OpenCV and NeuS count
@@ -51,7 +51,7 @@ class Pinhole:
     """(3,) metres."""
     perspective: bool = True
     near: float | None = None
-    """Metres; of the near plane, where it is told."""
+    """Metres; of the near plane, where it is known."""
 
     @property
     def sound(self) -> bool:
@@ -194,7 +194,7 @@ def above(views: Sequence[Pinhole]) -> tuple[float, float, float]:
 
 
 def upright(up: tuple[float, float, float]) -> Floats:
-    """The turn (3, 3) that takes y to a unit vector, by the shorter way; half a turn is about x."""
+    """The turn (3, 3) that takes y to a unit vector, by the lesser angle; half a turn is about x."""
     across, cosine = np.cross(np.array(UP), np.array(up)), float(np.dot(UP, up))
     if cosine < -1 + 1e-12:
         return np.diag([1.0, -1.0, -1.0])
@@ -225,7 +225,7 @@ SEEN = 0.01
 
 
 class MissingSize(UsageError):
-    """A file of cameras does not tell the size of its pictures, and nobody else does."""
+    """A file of cameras does not tell the size of its pictures, and no other file does."""
 
 
 def square_focal(fx: float, fy: float, size: tuple[int, int], where: str, notes: list[str]) -> float:

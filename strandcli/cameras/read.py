@@ -134,7 +134,7 @@ def with_views(scene: Scene) -> Scene:
         camera=replace(cameras[0], views=cameras),
         image=replace(scene.image, size=sizes[0]),
         time=replace(scene.time, frames=frames),
-        detail=None,  # strands that one view does not need others may
+        detail=None,  # strands that one view does not need the rest may
     )
 
 

@@ -3,7 +3,7 @@
 A camera looks along its -z, with y up, and its matrix, whose rows are its axes, takes it to the world. Only ratios of
 the focal length and of the aperture's sides count in perspective; of an orthographic view the aperture is in tenths of
 a unit of the world, whatever scales the camera. Offsets move the window on the picture's plane to the right and up. A
-camera has no size in pixels: render settings have one, and where the aperture has another shape they say what is kept
+camera has no size in pixels: render settings have one, and where the aperture has another shape they say what is left
 of it.
 
 Numbers of a lens are in single precision there, which is up to 1e-4 pixels. Beside them strandcli writes them in double
@@ -44,7 +44,7 @@ TURN = np.diag([1.0, -1.0, -1.0])
 
 @dataclass(frozen=True)
 class Picture:
-    """Of the pictures width and height, pixels, the width of a pixel over its height, and what is kept of an aperture
+    """Of the pictures width and height, pixels, the width of a pixel over its height, and what is left of an aperture
     of another shape."""
 
     size: tuple[int, int]
@@ -55,7 +55,7 @@ class Picture:
         """Pixels along x and y of a unit of an aperture ``across`` wide and ``tall``."""
         width, height = self.size
         x, y = width / across, height / tall
-        wide = y / self.pixel  # pixels along x of a unit where the height is kept
+        wide = y / self.pixel  # pixels along x of a unit where the height stays
         if abs(x - wide) <= SAME * x:
             return x, x * self.pixel
         if self.conform == "adjustPixelAspectRatio":
@@ -73,31 +73,32 @@ def read(path: Path, size: tuple[int, int] | None, name: str, notes: list[str]) 
     with opened(path) as file:
         text = file.read(1) == b"#"
     request = {"do": "cameras", "path": str(path.absolute()), "text": text, "name": name}
-    ((told, (matrices, lenses, exact)),) = list(ask(path, request))
-    where = f"{path}: {told['camera']}"
-    unit = float(told["unit"])
-    up, conform, projection = (one_line(told[key])[:WORD] for key in ("up", "conform", "projection"))
+    ((answer, (matrices, lenses, exact)),) = list(ask(path, request))
+    where = f"{path}: {answer['camera']}"
+    unit = float(answer["unit"])
+    up, conform, projection = (one_line(answer[key])[:WORD] for key in ("up", "conform", "projection"))
     if not (math.isfinite(unit) and unit > 0) or up not in UPS:
         raise UsageError(f"{path}: metersPerUnit {unit:g}, upAxis {up}: they have to be above 0, and y or z")
-    if conform not in CONFORMS or not (math.isfinite(told["pixel"]) and told["pixel"] > 0):
-        raise UsageError(f"{path}: render settings: {conform} of pixels {told['pixel']:g}: is not known")
+    if conform not in CONFORMS or not (math.isfinite(answer["pixel"]) and answer["pixel"] > 0):
+        raise UsageError(f"{path}: render settings: {conform} of pixels {answer['pixel']:g}: is not known")
     if projection not in ("perspective", "orthographic"):
         raise UsageError(f"{where}: projection {projection} is not drawn")
-    width, height = told["size"] or (None, None)
-    picture = Picture(picture_size(width, height, size, path), told["pixel"], conform)
-    found = told["names"] if len(told["names"]) == len(told["codes"]) else [_name(code) for code in told["codes"]]
+    width, height = answer["size"] or (None, None)
+    picture = Picture(picture_size(width, height, size, path), answer["pixel"], conform)
+    codes = answer["codes"]
+    found = answer["names"] if len(answer["names"]) == len(codes) else [_name(code) for code in codes]
     exact = exact if exact.shape == (len(found), 4) else lenses[:, :4]
     views = []
     for row, called in enumerate(found):
-        at = where if told["codes"][row] is None else f"{where}: time code {told['codes'][row]:g}"
+        at = where if codes[row] is None else f"{where}: time code {codes[row]:g}"
         lens = lenses[row].copy()
         same = exact[row].astype(np.float32) == lens[:4].astype(np.float32)
         lens[:4][same] = exact[row][same]
         view = _view(called, projection == "perspective", matrices[row], lens, picture, at, notes)
-        near = told["near"] if told["near"] is not None and 0 < told["near"] < math.inf else None
+        near = answer["near"] if answer["near"] is not None and 0 < answer["near"] < math.inf else None
         view = replace(view, near=near).moved(turning(up, "y"), np.zeros(3), unit)
         views.append(view)
-    return Views(views, bool(told["own"]), unit=unit, up=up)
+    return Views(views, bool(answer["own"]), unit=unit, up=up)
 
 
 def _name(code: float | None) -> str:
@@ -111,9 +112,9 @@ def _view(
     """The view of a camera in the stage's own coordinates, its focal length in pixels a unit where it is
     orthographic."""
     focal_length, across, off_x, off_y, tall = (float(one) for one in lens)
-    told = f"focalLength {focal_length:g}, aperture {across:g} by {tall:g}, offsets {off_x:g} and {off_y:g}"
+    given = f"focalLength {focal_length:g}, aperture {across:g} by {tall:g}, offsets {off_x:g} and {off_y:g}"
     if not np.isfinite(lens).all() or min(across, tall) <= 0 or (perspective and focal_length <= 0):
-        raise UsageError(f"{where}: {told}: the first three must be above 0, all finite")
+        raise UsageError(f"{where}: {given}: the first three must be above 0, all finite")
     scale = float(np.cbrt(abs(np.linalg.det(matrix[:3, :3])))) if np.isfinite(matrix).all() else 0.0
     try:
         if not scale > 0 or not math.isfinite(scale):

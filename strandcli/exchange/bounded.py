@@ -1,5 +1,5 @@
 """Files whose size is known before anything is read: no count is believed before the bytes for it are there; what such
-a file may name beside itself; and arrays of which nobody knows how long they become."""
+a file may name beside itself; and arrays of which the length is not known."""
 
 from __future__ import annotations
 
@@ -180,34 +180,34 @@ FIRST, SHARE = 1 << 12, 8
 
 
 class Growing:
-    """Rows of an array to which others are added. It grows in its place, so that memory never holds it twice."""
+    """Rows of an array to which more are added. It grows in its place, so that memory never holds it twice."""
 
     def __init__(self, kind: npt.DTypeLike, *shape: int) -> None:
         """``shape``: of a row."""
-        self._held: npt.NDArray[Any] = np.empty((FIRST, *shape), kind)
+        self._rows: npt.NDArray[Any] = np.empty((FIRST, *shape), kind)
         self.size = 0
 
     def add(self, rows: npt.ArrayLike) -> None:
         """Append rows."""
         more = np.asarray(rows)
         end = self.size + len(more)
-        if end > len(self._held):
+        if end > len(self._rows):
             self._resize(end + end // SHARE)
-        self._held[self.size : end] = more
+        self._rows[self.size : end] = more
         self.size = end
 
     @property
     def rows(self) -> npt.NDArray[Any]:
-        """The rows so far, valid until others are added."""
-        return self._held[: self.size]
+        """The rows so far, valid until more are added."""
+        return self._rows[: self.size]
 
     def taken(self) -> npt.NDArray[Any]:
         """All rows, of which none may be added afterwards."""
         self._resize(self.size)
-        return self._held
+        return self._rows
 
     def _resize(self, rows: int) -> None:
-        self._held.resize((rows, *self._held.shape[1:]), refcheck=False)
+        self._rows.resize((rows, *self._rows.shape[1:]), refcheck=False)
 
 
 LARGEST = 1 << 31

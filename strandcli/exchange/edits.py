@@ -2,7 +2,7 @@
 and which things are equal, by fingerprints.
 
 Each edit returns the strands changed and what it did. Edits of strands that move are decided at the first moment, and
-made alike at all others.
+made alike at all moments.
 """
 
 from __future__ import annotations
@@ -52,15 +52,15 @@ class Replayed:
     parts: Sequence[Offsets | tuple[Edit, Strands]]
     """Of each edit the points that it takes, or itself and the strands that it was made of."""
 
-    def points(self, held: npt.NDArray[Any]) -> npt.NDArray[Any]:
+    def points(self, edited: npt.NDArray[Any]) -> npt.NDArray[Any]:
         """The points (Q, 3) that become of points (P, 3); of numbers (P,) those of points that are chosen."""
         for part in self.parts:
             if isinstance(part, tuple):
                 edit, strands = part
-                held = edit(replace(strands, points=held, attributes={}))[0].points
+                edited = edit(replace(strands, points=edited, attributes={}))[0].points
             else:
-                held = held[part]
-        return held
+                edited = edited[part]
+        return edited
 
 
 def edited(
@@ -78,9 +78,9 @@ def edited(
         strands, change = step.edit(strands)
         changes.append(change)
         if again and step.chooses:
-            kept = dict(strands.attributes)
-            parts.append(kept.pop(ROW).values)
-            strands = replace(strands, attributes=kept)
+            attributes = dict(strands.attributes)
+            parts.append(attributes.pop(ROW).values)
+            strands = replace(strands, attributes=attributes)
         elif before is not None:
             parts.append((step.edit, before))
     return strands, changes, Replayed(parts) if again else None
@@ -101,8 +101,8 @@ def fixed(
         strands = strands.select(~wrong)
     bad = [name for name, one in strands.attributes.items() if not_finite(one.values)[0]]
     if bad:
-        kept = {name: one for name, one in strands.attributes.items() if name not in bad}
-        strands = replace(strands, attributes=kept)
+        attributes = {name: one for name, one in strands.attributes.items() if name not in bad}
+        strands = replace(strands, attributes=attributes)
     counts["attributes_left_out"] = bad
     why = ""
     if turn and ends(strands).root == "last":
@@ -187,7 +187,7 @@ def mixed(z: Keys) -> Keys:
 
 
 def prints_of(words: Keys) -> Keys:
-    """A number for each row of words (n, k): equal rows have equal ones, others hardly ever."""
+    """A number for each row of words (n, k): equal rows have equal ones, different ones hardly ever."""
     found = np.zeros(words.shape[0], np.uint64)
     with np.errstate(over="ignore"):
         for column in range(words.shape[1]):
@@ -197,7 +197,7 @@ def prints_of(words: Keys) -> Keys:
 
 def repeats(prints: Keys, equal: Callable[[Numbers, Numbers], Mask]) -> tuple[Numbers, Numbers]:
     """Things that are equal to one of a lower number: the lowest such of each, and their own. ``prints`` (n,): their
-    fingerprints; ``equal``: whether things with some numbers are equal to others."""
+    fingerprints; ``equal``: whether things with some numbers are equal to some."""
     order = np.argsort(prints, kind="stable")
     own = prints[order]
     again = np.flatnonzero(own[1:] == own[:-1]) + 1

@@ -24,7 +24,7 @@ LEAST_STRANDS = 40
 ENOUGH = 5_000
 """Strands that are looked at, at most."""
 MOST, ROUNDS = 0.9, 4
-"""Share of the points that a sphere is fitted to, and how often anew: strands that run the other way are not."""
+"""Share of the points that a sphere is fitted to, and how often anew: strands that run from tip to root are not."""
 FITS = 0.08
 """Misfit of roots to the scalp's sphere, at most, over its radius and over the strands' reach."""
 THICK = 0.18

@@ -18,7 +18,7 @@ from .objects import table
 from .strands import Mask, Strands
 
 TINY = 1e-3
-"""Of the median length: strands shorter than that are told."""
+"""Of the median length: strands shorter than that are reported."""
 UP = "y"
 """The up axis of strandcli's scenes, whose unit is the metre."""
 

@@ -36,7 +36,7 @@ FORMATS = Registry(
     "format of strands", "strandcli.groom_formats", "exchange.formats", "hair", ("name", "suffixes", "sniff", "read")
 )
 HEAD = 64
-"""Bytes that a format is told by."""
+"""Bytes that a format is known by."""
 
 
 @dataclass(frozen=True, slots=True)

@@ -205,11 +205,11 @@ def _chunks(path: Path) -> tuple[Any, memoryview, int]:
     if data[:4] == MAGIC:
         if size < 20:
             raise UsageError(f"{path}: ends within its header; write it anew")
-        _, version, told, long, kind = struct.unpack("<4sIIII", data[:20])
+        _, version, declared, long, kind = struct.unpack("<4sIIII", data[:20])
         if version != 2:
             raise UsageError(f"{path}: is glTF {version}; glTF 2 is read: write it anew")
-        if kind != JSON_CHUNK or long > size - 20 or told > size:
-            raise UsageError(f"{path}: declares {told:,} bytes and has {size:,}; it is damaged: write it anew")
+        if kind != JSON_CHUNK or long > size - 20 or declared > size:
+            raise UsageError(f"{path}: declares {declared:,} bytes and has {size:,}; it is damaged: write it anew")
         if size >= 28 + long and struct.unpack("<I", data[24 + long : 28 + long])[0] == BINARY_CHUNK:
             binary = data[28 + long :][: struct.unpack("<I", data[20 + long : 24 + long])[0]]
         data = data[20 : 20 + long]

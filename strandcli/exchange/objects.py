@@ -54,7 +54,7 @@ def numbers(strands: Strands) -> npt.NDArray[Any]:
 
 
 def short_names(names: Sequence[str]) -> list[str]:
-    """The last parts of names, and in full those whose last part others have as well."""
+    """The last parts of names, and in full those whose last part more have."""
     found = [_last(one) for one in names]
     once: set[str] = set()
     twice: set[str] = set()
@@ -131,9 +131,9 @@ def pieces(strands: Strands, legal: Callable[[str], str]) -> Pieces:
     """The objects that have strands one by one, with names that ``legal`` makes of their own; all strands as one where
     no objects are named."""
     names = written_names(strands.objects or (UNNAMED,), legal)
-    kept = {name: one for name, one in strands.attributes.items() if name != OBJECT or not strands.objects}
+    retained = {name: one for name, one in strands.attributes.items() if name != OBJECT or not strands.objects}
     of = numbers(strands)
-    strands = replace(strands, attributes=kept, objects=())
+    strands = replace(strands, attributes=retained, objects=())
     if len(names) < 2 or not of.size:
         return Pieces(names[:1], [strands], [slice(None)], None)
     order = None

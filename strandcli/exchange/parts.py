@@ -55,9 +55,9 @@ def joined(parts: list[Part], source: Source) -> tuple[Strands, list[str]]:
     names = tuple(one.name for one in parts)
     every = [one.attributes for one in parts]
     lost = {name: None for one in parts for name in one.unread}
-    counts, held = [one.counts for one in parts], [one.points for one in parts]
+    counts, points_of = [one.counts for one in parts], [one.points for one in parts]
     parts.clear()
-    points = concatenated(held)
+    points = concatenated(points_of)
     attributes: dict[str, Attribute] = {}
     for name in {name: None for one in every for name in one}:
         found = _attribute([one.pop(name, None) for one in every], counts)

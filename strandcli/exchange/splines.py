@@ -164,7 +164,7 @@ class ControlCurves:
 
     def attribute(self, name: str, interpolation: str, values: npt.NDArray[Any]) -> Attribute | None:
         """Values (rows, m), single precision where they are floating-point, at points, curves or all; None where
-        nothing has so many rows, and of whole numbers between which there would have to be others. What has as many
+        nothing has so many rows, and of whole numbers between which there would have to be more. What has as many
         rows decides where ``interpolation``, a key of `INTERPOLATIONS` or "", does not fit."""
         joints = int(self.basis.joints(self.counts).sum())
         rows = {"vertex": int(self.counts.sum()), "varying": joints, "uniform": self.counts.size, "constant": 1}

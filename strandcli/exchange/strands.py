@@ -32,7 +32,7 @@ class Attribute:
     """Numbers beside the points: of a domain, with a row each.
 
     Usual names: ``width`` (diameter, units of the points), ``colour`` (linear, 3), ``transparency``, ``uv`` (2),
-    ``root_uv`` (2), ``root_normal`` (3), ``movable`` (0 where a point is held).
+    ``root_uv`` (2), ``root_normal`` (3), ``movable`` (0 where a point is pinned).
     """
 
     domain: Domain
@@ -174,7 +174,7 @@ def even_offsets(strands: int, points: int) -> Offsets:
 
 def spans(first: Offsets, most: int = CHUNK) -> Iterator[tuple[slice, slice]]:
     """All strands of offsets (S + 1,) and their points, some at once: whole strands that have ``most`` points together,
-    or a part of one that has more. So what is computed on the way takes little memory, whatever the strands."""
+    or a part of one that has more. So what is computed meanwhile takes little memory, whatever the strands."""
     low, count = 0, first.size - 1
     while low < count:
         high = int(np.searchsorted(first, first[low] + most, side="right")) - 1
@@ -196,8 +196,8 @@ def counts_in(first: Offsets, rows: slice, points: slice) -> Offsets:
 def without_short(strands: Strands) -> Strands:
     """Strands that were just read without those of fewer than two points, which are counted as skipped."""
     keep = strands.counts(np.int32) >= SHORTEST
-    kept = strands.select(keep)
-    if kept is strands:
+    retained = strands.select(keep)
+    if retained is strands:
         return strands
     skipped = {**strands.source.skipped, SHORT: int(keep.size - np.count_nonzero(keep))}
-    return replace(kept, source=replace(strands.source, skipped=skipped))
+    return replace(retained, source=replace(strands.source, skipped=skipped))

@@ -44,9 +44,9 @@ def with_width_each(strands: Strands) -> Strands:
     return replace(strands, attributes={**strands.attributes, "width": each})
 
 
-def left_out(strands: Strands, format: str, kept: Iterable[str]) -> list[str]:
+def left_out(strands: Strands, format: str, retained: Iterable[str]) -> list[str]:
     """A line for the attributes that a format does not hold, or none."""
-    lost = [attribute for attribute in strands.attributes if attribute not in set(kept)]
+    lost = [attribute for attribute in strands.attributes if attribute not in set(retained)]
     return [f"{format} cannot store {', '.join(lost)}: left out"] if lost else []
 
 

@@ -1,9 +1,9 @@
 """Files that scenes are read from. All are opened here, so that what is made of them, and the fingerprints of frames,
 know by content every file that they follow from, those that a file names too, and those that were not there.
 
-A file is known by its stamp, numbers that writing it changes: nobody can set the time of the last change of its status.
-It counts whole ticks of the file system's clock, though, so a file that was written within the last tick is known by
-its content alone.
+A file is known by its stamp, numbers that writing it changes: no program can set the time of the last change of its
+status. It counts whole ticks of the file system's clock, though, so a file that was written within the last tick is
+known by its content alone.
 """
 
 from __future__ import annotations
@@ -167,7 +167,7 @@ def is_current(one: Input) -> bool:
 
 
 def digest_of(one: Input) -> str:
-    """Hash of what a file held when it was opened, 32 hexadecimal digits; empty where there was none. Raises
+    """Hash of what a file had when it was opened, 32 hexadecimal digits; empty where there was none. Raises
     `UsageError` where it has changed since."""
     known = one.digest or _digests.get((one.path, one.stamp), "")
     if known or not one.stamp:
@@ -179,18 +179,18 @@ def digest_of(one: Input) -> str:
 
 
 def cached(most: int) -> Callable[[Made], Made]:
-    """Decorator: results for the last ``most`` arguments are kept as long as the files that they were read from are the
-    same."""
+    """Decorator: results for the last ``most`` arguments are cached as long as the files that they were read from are
+    the same."""
 
     def decorate(make: Made) -> Made:
-        kept: OrderedDict[Hashable, tuple[Any, tuple[Input, ...]]] = OrderedDict()
+        results: OrderedDict[Hashable, tuple[Any, tuple[Input, ...]]] = OrderedDict()
         lock = threading.Lock()
 
         @functools.wraps(make)
         def result(*given: Hashable) -> Any:
             given_here = _folder(), given  # paths among the arguments may be relative
             with lock:
-                value, inputs = kept.get(given_here, (None, None))
+                value, inputs = results.get(given_here, (None, None))
             if inputs is not None and all(map(is_current, inputs)):
                 for one in inputs:
                     _record(one)
@@ -199,10 +199,10 @@ def cached(most: int) -> Callable[[Made], Made]:
                     value = make(*given)
                 inputs = tuple(found)
             with lock:
-                kept[given_here] = value, inputs
-                kept.move_to_end(given_here)
-                if len(kept) > most:
-                    kept.popitem(last=False)
+                results[given_here] = value, inputs
+                results.move_to_end(given_here)
+                if len(results) > most:
+                    results.popitem(last=False)
             return value
 
         return cast(Made, result)

@@ -24,11 +24,11 @@ STEP = 257.0
 """Steps of 16 bits in one of 8: 65535 / 255."""
 
 FORMATS = ("PNG", "JPEG", "GIF", "BMP", "TGA", "PPM", "PCX", "TIFF", "WEBP")
-"""Pillow's names of formats that are read, JPEG with the MPO of cameras: of its forty others some run programs, or take
+"""Pillow's names of formats that are read, JPEG with the MPO of cameras: of its forty more some run programs, or take
 what memory a file names."""
 MOST_IN_A_BYTE = {"raw": 8} | dict.fromkeys(("packbits", "tiff_lzw", "tiff_adobe_deflate", "tiff_deflate", ""), 8300)
 """Pixels by how a TIFF is packed, and of other formats. deflate packs at most 1032 bytes in one (zlib's technical
-details), of 8 pixels each; the others pack less."""
+details), of 8 pixels each; the rest pack less."""
 FLAT = 2**23
 """Pixels of a WebP that may be in a file however small: of one colour it has a hundred bytes."""
 MOST = 2**26
@@ -36,7 +36,7 @@ MOST = 2**26
 AT_ONCE = 1 << 20
 """Pixels that are converted at once."""
 
-# what it logs of damaged files would be told by Python's handler of last resort, beside the line that refuses them
+# what it logs of damaged files would be printed by Python's handler of last resort, beside the line that refuses them
 logging.getLogger("PIL").addHandler(logging.NullHandler())
 
 
@@ -146,7 +146,7 @@ def is_transparent(path: str) -> bool:
             return bool(require_pixels(image).convert("RGBA").getextrema()[3][0] < 255)
     except MemoryError:
         raise
-    except Exception:  # whatever a damaged picture raises, which is told where it is read
+    except Exception:  # whatever a damaged picture raises, which is reported where it is read
         return False
 
 

@@ -15,7 +15,7 @@ from .rows import Rows, most_points, places_of, values_in
 MOST = 256
 """Colours of a palette."""
 GAMMA = 2.2
-"""Of the encoding in which colours are told apart."""
+"""Of the encoding in which colours are compared."""
 ALONG = 17
 """Places along a strand, evenly from root to tip, at which its colours are taken."""
 Floats = NDArray[np.float32]

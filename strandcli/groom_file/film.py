@@ -73,7 +73,7 @@ class Film:
 
     def later(self) -> Iterator[NDArray[np.float32]]:
         """Points as of `Shown` at the middle and the last moment of those from frame 1 on, where they can be read; what
-        is wrong with others is told by frames that show them."""
+        is wrong with the rest is reported by frames that show them."""
         clock = self.moments.clock
         first, last = self.moments.around(self.moments.at(0.0, 1.0, self.start))[0], clock.size - 1
         for index in sorted({(first + last) // 2, last} - {first}):
@@ -85,7 +85,7 @@ class Film:
                 yield points
 
     def ends(self, seconds: float, fps: float) -> NDArray[np.float64]:
-        """The first two points (S, 2, 3) of the strands then, metres. Raises `UsageError` where they are others than at
+        """The first two points (S, 2, 3) of the strands then, metres. Raises `UsageError` where they are not those at
         first."""
         with self._lock:
             found = self._ends.get(seconds)
@@ -129,7 +129,7 @@ class Film:
 
 
 def _mixed(first: Strands, second: Strands, share: float) -> Strands:
-    """Strands between two moments, or those of the first where they are others."""
+    """Strands between two moments, or those of the first where these differ."""
     if not np.array_equal(first.counts(), second.counts()):
         return first
     points = np.empty_like(first.points)

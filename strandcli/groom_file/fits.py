@@ -1,5 +1,5 @@
 """Whether hair of a file is meant for a solid as it stands, and which up axis and unit would bring its roots there;
-and the nearest points of a solid's surface to others.
+and the nearest points of a solid's surface to points.
 
 Every up axis is tried with every ratio of usual units; roots lie on the scalp with the right ones alone, unless the
 solid is a ball, on which many fit.
@@ -124,7 +124,7 @@ SURE, CLOSE = 0.002, 0.02
 """Median distance of roots from the surface, over the solid's size, up to which hair fits without doubt, and up to
 which it does where no other placing is clearly better."""
 CLEARLY = 0.2
-"""Another placing is told where it leaves at most so much of the distance."""
+"""Another placing is reported where it leaves at most so much of the distance."""
 UNITS = (1.0, 0.0254, 0.1, 0.01, 0.001)
 """Metres of usual units."""
 FACTORS = tuple(sorted({round(a / b, 9) for a, b in itertools.product(UNITS, UNITS)}))

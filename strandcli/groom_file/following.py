@@ -54,12 +54,12 @@ class Guided:
 
 
 def guided(scene: Scene) -> Guided:
-    """What a scene simulates of its file, and what follows; the scene has been completed. The last one is kept."""
+    """What a scene simulates of its file, and what follows; the scene has been completed. The last one is cached."""
     given, followers = scene.emitter.groom, scene.emitter.followers
     assert given is not None
     assert followers is not None
     width = scene.material.width
-    key = (scene.seed, scene.emitter.particles, followers.tolerance, followers.kept, width)
+    key = (scene.seed, scene.emitter.particles, followers.tolerance, followers.drawn, width)
     with about("strands", given.file):
         return _guided(replace(given, cover=None), *key, head_of(scene))
 
@@ -85,11 +85,11 @@ def with_followers(scene: Scene) -> Scene:
     )  # fmt: skip
     scene = replace(scene, emitter=replace(emitter, strands=min(given.guides, strands), followers=first))
     frames = range(1, 2 if scene.detail is None else 1 + scene.time.frames)
-    kept = most_needed(scene, frames)
-    scene = replace(scene, emitter=replace(scene.emitter, followers=replace(first, kept=kept)))
+    drawn = most_needed(scene, frames)
+    scene = replace(scene, emitter=replace(scene.emitter, followers=replace(first, drawn=drawn)))
     made = guided(scene)
     known = replace(
-        first, kept=kept, points=made.following.points.shape[1], deviation=made.deviation,
+        first, drawn=drawn, points=made.following.points.shape[1], deviation=made.deviation,
         deviation_share=made.deviation_share,
     )  # fmt: skip
     return replace(scene, emitter=replace(scene.emitter, strands=made.guides.strands, followers=known))
@@ -117,7 +117,7 @@ def metres_a_pixel(scene: Scene, found: FromFile) -> float:
 
 @cached(1)
 def _guided(
-    given: GroomFile, seed: int, particles: int, tolerance: float, kept: int, width: float, head: Head | None
+    given: GroomFile, seed: int, particles: int, tolerance: float, drawn: int, width: float, head: Head | None
 ) -> Guided:  # fmt: skip
     groom = from_file(given, seed, head).groom
     features = features_of(groom)
@@ -132,7 +132,7 @@ def _guided(
     own = own[spatial_order(groom.roots[own])]
     guides, deviation = chained(groom, own, particles)
     ranks = ranks_of(order, seed)
-    some = np.flatnonzero(ranks < kept)
+    some = np.flatnonzero(ranks < drawn)
     assert groom.places is not None
     parents, weights = parents_of(features[some], features[own])
     whole = groom.lengths[some].astype(np.float64)[:, None]
@@ -140,12 +140,12 @@ def _guided(
     points, widths = _drawn(groom, some, tolerance, width)
     if groom.film is not None:
         guides = replace(guides, film=(groom.film, groom.places[own]))
-    drawn = Groom(
+    strands = Groom(
         groom.roots[some], groom.directions[some], groom.lengths[some], groom.tones[some], places=groom.places[some],
         widths=widths, colours=groom.colours, anchors=None if groom.anchors is None else groom.anchors.of(some),
         film=None if groom.film is None else (groom.film, groom.places[some]),
     )  # fmt: skip
-    following = Following(drawn, points, ranks[some], parents, weights, reaches, guides)
+    following = Following(strands, points, ranks[some], parents, weights, reaches, guides)
     share = deviation / groom.lengths[own]
     return Guided(guides, following, float(deviation.max()), float(share.max()))
 
@@ -153,7 +153,7 @@ def _guided(
 def _drawn(
     groom: Groom, some: NDArray[np.int64], tolerance: float, width: float
 ) -> tuple[NDArray[np.float32], Widths | None]:
-    """(k, m, 4) as many points of the strands ``some`` (k,) as have all others within a tolerance in metres, and how
+    """(k, m, 4) as many points of the strands ``some`` (k,) as have the rest within a tolerance in metres, and how
     far along its strand each is; and widths at these. ``width``: metres of a strand whose factor is 1."""
     assert groom.points is not None
     n = groom.points.shape[1] - 1

@@ -1,8 +1,8 @@
 """Which strands of a file are simulated, and which of them every strand follows.
 
-Strands are compared by where they grow and how they lie: by their roots and by the way from there to three places along
-them, which counts less (`LIKENESS`). In these twelve dimensions a guide on the other side of a parting is far away,
-however near its root.
+Strands are compared by where they grow and how they lie: by their roots and by the direction from there to three places
+along them, which counts less (`LIKENESS`). In these twelve dimensions a guide on the other side of a parting is far
+away, however near its root.
 """
 
 from __future__ import annotations
@@ -22,11 +22,11 @@ Floats = NDArray[np.float64]
 Features = NDArray[np.float32]
 
 LIKENESS = 1 / 3
-"""What a metre of difference between the ways of two strands counts, in metres between their roots."""
+"""What a metre of difference between the directions of two strands counts, in metres between their roots."""
 SHORTEST = 0.02
 """Length of a guide over that of the median strand, at least: the edges of stubs are hardly more than rounding."""
 PLACES = 3
-"""Places along strands, the tip among them, at which their ways are compared."""
+"""Places along strands, the tip among them, at which their directions are compared."""
 PARENTS = 4
 """Guides that a strand follows."""
 BATCH = 128 * W
@@ -42,12 +42,12 @@ def features_of(groom: Groom) -> Features:
     for begin in range(0, groom.strands, BATCH):
         points = picked_points(groom, np.arange(begin, min(begin + BATCH, groom.strands)))
         count, n, _ = points.shape
-        ways = np.empty((count, PLACES + 1, 3), np.float32)
-        low, share = np.empty(ways.shape[:2], np.int64), np.empty(ways.shape[:2], np.float32)
-        resample(even_offsets(count, n), points.reshape(-1, 3), low, share, ways, np.empty(count))
-        ways[:, 1:] -= ways[:, :1]
-        ways[:, 1:] *= np.float32(LIKENESS)
-        found[begin : begin + count] = ways.reshape(count, -1)
+        directions = np.empty((count, PLACES + 1, 3), np.float32)
+        low, share = np.empty(directions.shape[:2], np.int64), np.empty(directions.shape[:2], np.float32)
+        resample(even_offsets(count, n), points.reshape(-1, 3), low, share, directions, np.empty(count))
+        directions[:, 1:] -= directions[:, :1]
+        directions[:, 1:] *= np.float32(LIKENESS)
+        found[begin : begin + count] = directions.reshape(count, -1)
     return found
 
 
@@ -162,15 +162,15 @@ def chained(groom: Groom, own: NDArray[np.int64], particles: int) -> tuple[Groom
     joints, deviation = chains(picked_points(groom, own), particles)
     steps = np.diff(joints, axis=1)
     sizes = np.linalg.norm(steps, axis=2)
-    ways = steps / np.maximum(sizes, 1e-300)[:, :, None]
+    directions = steps / np.maximum(sizes, 1e-300)[:, :, None]
     placed = groom.placed(np.arange(groom.strands))[own]
     guides = Groom(
         groom.roots[own],
-        ways[:, 0].astype(np.float32),
+        directions[:, 0].astype(np.float32),
         sizes.sum(1).astype(np.float32),
         groom.tones[own],
         places=np.argsort(np.argsort(placed)).astype(np.int32),
-        edges=ways,
+        edges=directions,
         anchors=None if groom.anchors is None else groom.anchors.of(own),
     )
     return guides, deviation

@@ -20,7 +20,7 @@ Floats = NDArray[np.float64]
 LOOKED_AT = 200_000
 """Points, at most, evenly chosen."""
 CELLS = 32
-"""Of a grid along the longest side of the box, by which the area is told."""
+"""Of a grid along the longest side of the box, by which the area is measured."""
 WIDEST = 1 / 200
 """Width of strands over the longest side of the box about all, at most: more of them would be noodles."""
 WIDE = 1024
@@ -36,11 +36,11 @@ class Seen:
     """What strands look like as a whole, in the emitter's frame."""
 
     points: NDArray[np.float32]
-    """(k, 3) metres: some of their points, tips and roots among them, none apart from all others."""
+    """(k, 3) metres: some of their points, tips and roots among them, none apart from the rest."""
     area: float
     """Square metres that they are seen before, on average over views along the three axes."""
     length: float
-    """Metres of all strands together, of one that is far longer than the others a part."""
+    """Metres of all strands together, of one that is far longer than the rest a part."""
     apart: int
     """Points that were looked at and are apart."""
     radius: float
@@ -61,13 +61,13 @@ def seen_of(strands: Strands, lengths: Floats) -> Seen:
 
 
 def together(points: NDArray[np.float32]) -> NDArray[np.float32]:
-    """Points (k, 3) without those apart from all others."""
+    """Points (k, 3) without those apart from the rest."""
     far = np.linalg.norm(points - np.median(points, axis=0), axis=1)
     return points[far <= APART * np.percentile(far, USUAL)]
 
 
 def some_of(packed: NDArray[np.float32]) -> NDArray[np.float32]:
-    """(k, 3) some of the points of strands (blocks, n + 1, 3 W), those apart from others or not finite left out."""
+    """(k, 3) some of the points of strands (blocks, n + 1, 3 W), those apart from the rest or not finite left out."""
     points = packed[:: max(packed[:, 1:].size // (3 * LOOKED_AT), 1), 1:].reshape(-1, 3, W).transpose(0, 2, 1)
     finite = points[np.isfinite(points).all(axis=-1)]
     return together(finite) if finite.size else finite

@@ -1,7 +1,7 @@
 """Hair of a file put on a solid: roots onto its surface, and strands out of it.
 
 Roots that float or sink go to the nearest point of the surface; their strands go with them, by less and less along a
-part of their length. Then points inside, or nearer than a small clearance, are moved along the shortest way out, and
+part of their length. Then points inside, or nearer than a small clearance, are moved along the shortest path out, and
 their neighbours on the strand with them, again and again, until all are out. Segments keep their lengths throughout.
 Strands that are in place already keep every bit.
 """
@@ -35,7 +35,7 @@ SEATED = 1e-5
 CLEARANCE = 0.002
 """Least distance of points beyond the root from the surface, over the solid's size."""
 GOAL = 1.2
-"""Clearances to which they are led."""
+"""Clearances to which they are moved."""
 RISE = 4.0
 """Clearances along a strand from its root over which its points have less than one."""
 FADE, FADE_SHARE = 10.0, 0.3
@@ -47,7 +47,7 @@ PASSES = 3
 """Of smoothing what points move along a strand."""
 TINY = 1e-300
 BATCH = 1 << 20
-"""Points of strands that are led out at once."""
+"""Points of strands that are moved out at once."""
 FAR = 0.5
 """Median distance of roots from the surface, over the solid's size, beyond which hair is not its own."""
 FAR_UNLIKE, UNLIKE = 0.1, 8.0
@@ -70,7 +70,7 @@ class Fit:
     off: Floats
     """(S,) distances of roots from the surface before."""
     seated: int = 0
-    led_out: int = 0
+    moved_out: int = 0
     deepest: float = 0.0
     """Depth of the deepest point before, once roots were in place."""
     farthest: float = 0.0
@@ -112,10 +112,10 @@ def put_on(
             f"{file}: its roots are {median:.3g} m off {head.name} in the median, before they are moved to it; {advice}"
             ": perhaps its up axis or unit is another one"
         )
-    loose = fit.off > SEATED * surface.size
-    fit.seated = int(loose.sum())
-    wanted = loose | _near(strands, surface, turn, shift)
-    shifts = np.where(loose[:, None], near.points - roots, 0.0)
+    free = fit.off > SEATED * surface.size
+    fit.seated = int(free.sum())
+    wanted = free | _near(strands, surface, turn, shift)
+    shifts = np.where(free[:, None], near.points - roots, 0.0)
     moved = strands.points.copy()
     rows = np.flatnonzero(wanted)
     counts = strands.counts()
@@ -123,7 +123,7 @@ def put_on(
     for some in (rows[batch == number] for number in np.unique(batch)):
         _put_batch(strands, some, shifts, surface, (turn, shift), fit, moved)
     notes += said(fit, surface, head, file)
-    return replace(strands, points=moved) if fit.seated or fit.led_out else strands
+    return replace(strands, points=moved) if fit.seated or fit.moved_out else strands
 
 
 def anchors_on(head: Head | None, roots: NDArray[np.float32]) -> Anchors | None:
@@ -144,10 +144,10 @@ def said(fit: Fit, surface: Surface, head: Head, file: str) -> list[str]:
             f"{file}: {counted(fit.seated, 'strand')} of {len(fit.off):,} had roots off {head.name}, and were moved "
             f"to it: median {np.median(fit.off):.2g} m, at most {fit.off.max():.2g} m"
         )
-    if fit.led_out:
+    if fit.moved_out:
         rest = f"; {counted(fit.left, 'strand')} point by point" if fit.left else ""
         found.append(
-            f"{file}: {counted(fit.led_out, 'strand')} moved out of {head.name}, up to {fit.deepest:.2g} m deep, "
+            f"{file}: {counted(fit.moved_out, 'strand')} moved out of {head.name}, up to {fit.deepest:.2g} m deep, "
             f"to at least {CLEARANCE * surface.size:.2g} m from it{rest}"
         )
     if found:
@@ -172,20 +172,20 @@ def _put_batch(
     along -= np.repeat(along[first[:-1]], counts)
     whole = along[first[1:] - 1]
     away = np.linalg.norm(shifts[some], axis=1)
-    loose = away > 0
+    free = away > 0
     fades = np.minimum(np.maximum(FADE * away, FADE_SHARE * whole), np.maximum(whole, TINY))
     t = np.minimum(along / np.repeat(np.maximum(fades, TINY), counts), 1.0)
     points = np.empty_like(before)
     kernel.follow(
         first, points, before + (1 - t * t * (3 - 2 * t))[:, None] * np.repeat(shifts[some], counts, 0), steps
     )
-    points[~np.repeat(loose, counts)] = before[~np.repeat(loose, counts)]
-    led = _lead_out(first, points, surface, steps, along, fit)
-    changed = loose | led
+    points[~np.repeat(free, counts)] = before[~np.repeat(free, counts)]
+    moved_out = _move_out(first, points, surface, steps, along, fit)
+    changed = free | moved_out
     rows = np.repeat(changed, counts)
     if not changed.any():
         return
-    fit.led_out += int(led.sum())
+    fit.moved_out += int(moved_out.sum())
     fit.farthest = max(fit.farthest, float(np.linalg.norm(points[rows] - before[rows], axis=1).max()))
     after = np.zeros(len(points))
     after[1:] = np.linalg.norm(np.diff(points, axis=0), axis=1)
@@ -195,17 +195,17 @@ def _put_batch(
     moved[own[rows]] = points[rows] @ turn.T + shift
 
 
-def _lead_out(
+def _move_out(
     first: NDArray[np.int64], points: Floats, surface: Surface, steps: Floats, along: Floats, fit: Fit
 ) -> NDArray[np.bool_]:
-    """Lead points (P, 3) out of the surface, and return which strands (S,) were led."""
+    """Move points (P, 3) out of the surface, and return which strands (S,) were moved."""
     counts = np.diff(first)
     clear = CLEARANCE * surface.size
     # between two points a strand is lower over a curved surface than at them
     least = (clear + steps**2 / (4 * surface.size)) * np.minimum(along / (RISE * clear), 1.0)
     least[first[:-1]] = -np.inf
     whole = along[first[1:] - 1]
-    led = np.zeros(len(counts), np.bool_)
+    moved_out = np.zeros(len(counts), np.bool_)
     active = np.arange(len(counts))
     for number in range(ROUNDS + 1):
         rows = np.concatenate([np.arange(first[s], first[s + 1]) for s in active])
@@ -216,8 +216,8 @@ def _lead_out(
             depths = -near.distances[np.isfinite(least[rows])]
             fit.deepest = max(fit.deepest, float(depths.max(initial=0.0)))
         if not short.any():
-            return led
-        led[active[short]] = True
+            return moved_out
+        moved_out[active[short]] = True
         active, keep = active[short], np.repeat(short, np.diff(part))
         rows, part = rows[keep], offsets(counts[active])
         near = Near(*(one[keep] for one in near))
@@ -225,13 +225,13 @@ def _lead_out(
         if number == ROUNDS:
             fit.left += len(active)
             points[rows] += needs[:, None] * near.outward
-            return led
+            return moved_out
         reach = np.maximum(REACH * np.maximum.reduceat(needs, part[:-1]), REACH_SHARE * whole[active])
         own = points[rows]
         moves = _smooth(part, needs[:, None] * near.outward, reach, along[rows], steps[rows])
         kernel.follow(part, own, own + moves, steps[rows])
         points[rows] = own
-    return led
+    return moved_out
 
 
 def _smooth(first: NDArray[np.int64], moves: Floats, reach: Floats, along: Floats, steps: Floats) -> Floats:

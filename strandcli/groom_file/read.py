@@ -132,9 +132,9 @@ def _from_file(given: GroomFile, seed: int, head: Head | None) -> FromFile:
         )
     strands, rows = _chosen(strands, given, seed, notes, moments is not None)
     if moments is None or rows is None or in_file is None:
-        held = [strands]
+        alone = [strands]
         del strands  # which are let go in there as soon as they are packed
-        return replace(_made(held.pop(), given, seed, head, notes), rows=None)
+        return replace(_made(alone.pop(), given, seed, head, notes), rows=None)
     found = _made(strands, given, seed, head, notes)
     film = _film(moments, in_file, rows, strands, given, seed, found)
     return replace(found, moments=moments, groom=replace(found.groom, film=film))
@@ -158,8 +158,8 @@ def _film(
         moved = put(replace(pairs, points=points[ends]), given, found.placement)
         return moved.points.reshape(-1, 2, 3).astype(np.float64)
 
-    def anew(others: Strands) -> Groom:
-        chosen, _ = _chosen(others, given, seed, [])
+    def anew(strands: Strands) -> Groom:
+        chosen, _ = _chosen(strands, given, seed, [])
         made = _made(chosen, given, seed, None, [], found.placement)
         widths = made.groom.widths
         if widths is not None and made.width and found.width:
@@ -199,7 +199,7 @@ def _made(
         )
     seen = seen_of(strands, lengths)
     if seen.apart:
-        notes.append(f"{given.file}: some strands lie far from all others; the picture is not fitted to them")
+        notes.append(f"{given.file}: some strands lie far from the rest; the picture is not fitted to them")
     lengths = lengths.astype(np.float32)[order]
     rows = rows_in(strands.first, strands.points, most)
     seconds = 1 if rows is None else rows[strands.first[order] + 1]
@@ -258,13 +258,13 @@ def _chosen(
     notes += [f"{path}: {curves}"] if curves else []
     steps = []
     if given.fix:
-        kept = "emitter.groom.root: first has none turned"
-        steps.append(Step(lambda held: fixed(held, given.root == "auto", kept), True))
+        fault = "emitter.groom.root: first has none turned"
+        steps.append(Step(lambda strands: fixed(strands, given.root == "auto", fault), True))
     if given.root == "last":
         steps.append(Step(reversed_all, True))
     if given.strands is not None:
         wanted = given.strands
-        steps.append(Step(lambda held: some(held, wanted, seed), True))
+        steps.append(Step(lambda strands: some(strands, wanted, seed), True))
     count = strands.points.shape[0]
     strands, changes, replayed = edited(strands, steps, moving)
     notes += [f"{path}: {one.text}" for one in changes if one.edit == "fix" and any(one.facts.values())]

@@ -247,7 +247,7 @@ def _together(keys: tuple[Key, ...], past: tuple[Key | None, ...] = ()) -> Data:
     before = [None if key is None or key == keys[k] else corners_at(key) for k, key in enumerate(past)]
     for row, corners in zip(rows, before, strict=False):
         row[at.PAST] = 0 if corners is None else corners.ctypes.data
-    return Data(that_keeps(rows, [before, *(held for _, held in made.values())]))
+    return Data(that_keeps(rows, [before, *(columns for _, columns in made.values())]))
 
 
 def triangles(numbers: NDArray[Any], data: Data) -> NDArray[np.float64]:
@@ -274,10 +274,10 @@ def columns(mesh: Prepared) -> tuple[list[int], list[NDArray[Any]]]:
     if picture is not None:
         arrays |= {at.TEXELS: picture.texels, at.LEVELS: picture.levels}
         row[at.TEXEL_COUNT], row[at.LEVEL_COUNT] = len(picture.texels), len(picture.levels)
-    held = {column: np.ascontiguousarray(one) for column, one in arrays.items() if one.size}
-    for column, one in held.items():
+    columns = {column: np.ascontiguousarray(one) for column, one in arrays.items() if one.size}
+    for column, one in columns.items():
         row[column] = one.ctypes.data
-    return row, list(held.values())
+    return row, list(columns.values())
 
 
 def that_keeps(table: NDArray[np.int64], arrays: Any) -> NDArray[np.int64]:

@@ -18,7 +18,7 @@ from ..meshes.read import read_mesh
 
 UP = "y"
 KEPT = 8
-"""Meshes that are kept, of the last ones asked for."""
+"""Meshes that are cached, of the last ones asked for."""
 
 
 class Placing(NamedTuple):
@@ -41,11 +41,12 @@ class Moment(NamedTuple):
     before: str
     after: str
     share: float
-    """Of the way from the first to the second."""
+    """Share from the first to the second."""
 
 
 def moment(keys: Sequence[Any], time: float) -> Moment:
-    """The moment at a time in seconds of files with times, which ascend; held before the first and after the last."""
+    """The moment at a time in seconds of files with times, which ascend; clamped before the first and after the
+    last."""
     times = [key.time for key in keys]
     place = min(max(bisect_right(times, time), 1), len(keys) - 1) if len(keys) > 1 else 0
     before, after = keys[max(place - 1, 0)], keys[place]

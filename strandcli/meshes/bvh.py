@@ -105,7 +105,7 @@ def make_distance_grid(
     box: tuple[npt.NDArray[np.float64], npt.NDArray[np.float64]] | None = None,
 ) -> DistanceGrid:  # fmt: skip
     """Signed distances at nodes all around a mesh, negative inside: `resolution` nodes, at least 8, along its longest
-    side, less along the others.
+    side, less along the rest.
 
     closed: whether the mesh has no boundary (`TriangleMesh.closed`); otherwise inside is where its winding number is
     over a half.

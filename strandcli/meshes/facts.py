@@ -23,7 +23,7 @@ BASE, RIM, FACING = 0.02, 0.02, 0.95
 """A mesh stands on a side where so much of its area lies flat or is missing: within the rim, a share of its extent, and
 facing that way by this cosine at least."""
 CLEARLY = 2.0
-"""How much larger a base is than all others, where up is guessed by it."""
+"""How much larger a base is than the rest, where up is guessed by it."""
 SIZES = {"m": (0.1, 1.0, 1.0), "cm": (10.0, 100.0, 0.01), "mm": (100.0, 1000.0, 0.001)}
 """Longest sides of a head, a bust or a small animal in each unit, and its metres."""
 UP = ("x", "y", "z", "-x", "-y", "-z")
@@ -46,12 +46,12 @@ def is_mesh(path: Path) -> bool:
 def facts_of_file(path: Path) -> tuple[dict[str, Any], TriangleMesh]:
     """What is in a file, as JSON has it, and its mesh. Raises `UsageError`."""
     mesh = read_mesh(path)
-    told = path.suffix.lower() in GLTF
+    is_gltf = path.suffix.lower() in GLTF
     data = {
         "file": str(path), "bytes": path.stat().st_size, "format": path.suffix.lower(), **facts(mesh),
-        "unit": 1.0 if told else None, "up": "y" if told else None,
+        "unit": 1.0 if is_gltf else None, "up": "y" if is_gltf else None,
     }  # fmt: skip
-    if told:
+    if is_gltf:
         data["guess"] = {"up": None, "unit": None}
     return data, mesh
 
@@ -145,18 +145,18 @@ def _attributes(mesh: TriangleMesh) -> list[dict[str, Any]]:
     if own is not None:
         parts = (own.of_corners(mesh, rows) if isinstance(own, FileNormals) else own[rows]
                  for rows in slices(mesh.triangles.shape[0]))  # fmt: skip
-        found.append(_told("normals", "corner", (*mesh.triangles.shape, 3), parts))
+        found.append(_described("normals", "corner", (*mesh.triangles.shape, 3), parts))
     for name, domain, values in (
         ("uv", "corner", mesh.uv), ("colours", "vertex", mesh.colours), ("texture", "pixel", mesh.texture),
         *((name, "vertex", one) for name, one in mesh.attributes.items()),
     ):  # fmt: skip
         if values is not None:
-            found.append(_told(name, domain, values.shape, [values]))
+            found.append(_described(name, domain, values.shape, [values]))
     return found
 
 
-def _told(name: str, domain: str, shape: tuple[int, ...], parts: Iterable[npt.NDArray[Any]]) -> dict[str, Any]:
-    """What is told of values of which there are some at once."""
+def _described(name: str, domain: str, shape: tuple[int, ...], parts: Iterable[npt.NDArray[Any]]) -> dict[str, Any]:
+    """What is reported of values of which there are some at once."""
     each = [(one.min().item(), one.max().item(), one.dtype.name) for one in parts]
     lows, highs, kinds = zip(*each, strict=True)
     return {

@@ -178,7 +178,7 @@ def texture_of(file: Gltf, primitive: dict[str, Any]) -> dict[str, Any]:
 
 
 def with_texture(file: Gltf, part: RawMesh, primitives: list[dict[str, Any]]) -> RawMesh:
-    """A part with the first picture that primitives have, which alone is decoded, once. A note tells where others have
+    """A part with the first picture that primitives have, which alone is decoded, once. A note tells where more have
     another one, or one of a kind that is not read. Raises `UsageError` for one that is no picture."""
     images = []
     for one in primitives:

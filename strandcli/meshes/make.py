@@ -67,19 +67,20 @@ def mesh_of(raw: RawMesh, where: str) -> TriangleMesh:
     raw, notes = _finite(raw)
     of_place = places(vertices)
     triangles = of_place[rows]
-    kept = _with_area(vertices, triangles)
-    no_area = int(kept.size - np.count_nonzero(kept))
-    first = _first_of_each(triangles, kept)
+    with_area = _with_area(vertices, triangles)
+    no_area = int(with_area.size - np.count_nonzero(with_area))
+    first = _first_of_each(triangles, with_area)
     if not first.any():
-        raise UsageError(f"{where}: none of its {kept.size:,} triangles has an area; write it anew from its program")
+        count = with_area.size
+        raise UsageError(f"{where}: none of its {count:,} triangles has an area; write it anew from its program")
     whole = bool(first.all())
-    repeated = int(np.count_nonzero(kept) - np.count_nonzero(first))
+    repeated = int(np.count_nonzero(with_area) - np.count_nonzero(first))
     if not whole:
         triangles, rows = triangles[first], rows[first]
     wanted = None
     if raw.normals is not None:
         wanted = rows if raw.normal_rows is None else raw.normal_rows if whole else raw.normal_rows[first]
-    del rows, kept
+    del rows, with_area
     used, merge = _used(triangles, vertices.shape[0])
     if used is not None:
         triangles, vertices = merge[triangles], vertices[used]
@@ -222,9 +223,9 @@ def _with_area(vertices: Vectors, corners: Indices) -> npt.NDArray[np.bool_]:
     return found
 
 
-def _first_of_each(corners: Indices, kept: npt.NDArray[np.bool_]) -> npt.NDArray[np.bool_]:
-    """The triangles (T,), among those that are kept, that repeat no earlier one, whichever way it is wound."""
-    found, rows = kept.copy(), np.flatnonzero(kept).astype(np.int32)
+def _first_of_each(corners: Indices, with_area: npt.NDArray[np.bool_]) -> npt.NDArray[np.bool_]:
+    """The triangles (T,), among those with an area, that repeat no earlier one, however it is wound."""
+    found, rows = with_area.copy(), np.flatnonzero(with_area).astype(np.int32)
     _, again = equal_rows(rows.size, lambda some: np.sort(corners[rows[some]], axis=1).astype(np.uint64))
     found[rows[again]] = False
     return found

@@ -25,7 +25,7 @@ class MeshFacts:
     no_area: triangles without area, left out; repeated: triangles that repeat another, left out; unused: vertices
     of no triangle, left out; merged: vertices that were at the place of another one; boundary: edges of one triangle
     alone; holes: rings of them; crowded: edges of three triangles or more; turned: triangles that were wound against
-    the others; twisted: edges whose triangles cannot be made to agree; parts: pieces that hang together by edges.
+    the rest; twisted: edges whose triangles cannot be made to agree; parts: pieces that hang together by edges.
     """
 
     no_area: int = 0
@@ -51,7 +51,7 @@ class FileNormals:
 
     def of_corners(self, mesh: TriangleMesh, some: slice) -> Vectors:
         """Normals (k, 3, 3) of the corners of some triangles of their mesh; smooth ones where the file has none. Those
-        of triangles that were wound the wrong way point inward, as far as they agree with that winding."""
+        of triangles that were wound wrongly point inward, as far as they agree with that winding."""
         turned, mine = self.turned[some], self.rows[some].copy()
         mine[turned] = mine[turned][:, (0, 2, 1)]
         found, usual = self.values[mine], mesh.normals[mesh.triangles[some]]
@@ -69,7 +69,7 @@ class TriangleMesh:
     smooth: `normals` where they are known already; own: normals of the file, or `corner_normals` of them; uv:
     (T, 3, 2) float32, of each corner, the origin at the lower left of the texture; colours: (V, 3) float32, linear, 0
     to 1; attributes: named numbers of vertices, (V,) or (V, k) float32; texture: (h, w, 3) uint8, sRGB, first row at
-    the top; closed: whether no edge is where the winding number changes, so that inside and outside are told apart
+    the top; closed: whether no edge is where the winding number changes, so that inside and outside differ
     without doubt; facts: what was found; notes: the same as sentences, and what was left out; merge: (file's
     vertices,) int32, of each of them its row in
     `vertices` or -1.
@@ -147,7 +147,7 @@ class TriangleMesh:
 
 
 def slices(count: int) -> Iterator[slice]:
-    """Rows that are computed at once, so that what is computed on the way takes little memory."""
+    """Rows that are computed at once, so that what is computed meanwhile takes little memory."""
     for begin in range(0, count, SLICE):
         yield slice(begin, min(begin + SLICE, count))
 
@@ -214,7 +214,7 @@ def fans_of_lists(lengths: npt.NDArray[np.integer[Any]], values: npt.NDArray[Any
 
 
 def linear(colours: npt.NDArray[Any]) -> npt.NDArray[np.float32]:
-    """Linear colours (n, 3) from sRGB ones (n, 3 or more), whole numbers to 255 or others to 1."""
+    """Linear colours (n, 3) from sRGB ones (n, 3 or more), whole numbers to 255 or real ones to 1."""
     values = colours[:, :3]
     shown = values.astype(np.float64) / (255.0 if values.dtype.kind in "iu" else 1.0)
     shown = np.clip(np.nan_to_num(shown), 0.0, 1.0)

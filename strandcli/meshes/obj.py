@@ -65,7 +65,7 @@ def _rows_of(table: npt.NDArray[Any], rows: npt.NDArray[np.int32]) -> npt.NDArra
 def _texture(
     libraries: list[bytes], materials: dict[bytes, None], beside: Beside
 ) -> tuple[npt.NDArray[np.uint8] | None, tuple[str, ...]]:
-    """The picture of the first material that has one, and a note where others have one, too."""
+    """The picture of the first material that has one, and a note where more have one."""
     named: dict[bytes, str] = {}
     for library in libraries:
         try:

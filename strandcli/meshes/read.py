@@ -75,7 +75,7 @@ MENDS = "write it anew, as .obj, .ply, .stl or .glb with triangles"
 def read_mesh(path: Path, like: TriangleMesh | None = None) -> TriangleMesh:
     """The mesh of a file, in its units and axes, triangles of all its parts together. Raises `UsageError` in one line.
 
-    ``like``: an earlier mesh of a sequence, whose triangles, uv and attributes are kept; only the places of the
+    ``like``: an earlier mesh of a sequence, whose triangles, uv and attributes stay; only the places of the
     vertices are read, which have to be as many in the file, in the same order.
     """
     with about("mesh", path), reading(path):
@@ -108,7 +108,7 @@ def _raw(path: Path) -> RawMesh:
         raise UsageError(f"{path}: is no mesh that can be read; read are {', '.join(SUFFIXES)}")
     beside = Beside(path)
     try:
-        with np.errstate(all="ignore"):  # what is not finite is told afterwards
+        with np.errstate(all="ignore"):  # what is not finite is reported afterwards
             found = joined(READERS[SUFFIXES.index(suffix)](path, beside))
     except (StrandError, MemoryError):
         raise

@@ -109,7 +109,7 @@ def _groom(scene: Scene, strands: int) -> Iterator[Stage]:
 def _followers(followers: Followers, guides: int, particles: int) -> Iterator[Stage]:
     off = f"within {followers.deviation:.3g} m or {100 * followers.deviation_share:.2g} % of the length of the file's"
     yield Stage("guides", f"{guides:,} of {followers.strands:,} strands, {particles} particles each, {off}")
-    fewer = "all" if followers.kept == followers.strands else f"{followers.kept:,} that level of detail draws"
+    fewer = "all" if followers.drawn == followers.strands else f"{followers.drawn:,} that level of detail draws"
     yield Stage("followers", f"{fewer} of {followers.strands:,} strands follow up to 4 guides each")
     why = f"{followers.points} of {followers.file_points} a strand are within {followers.tolerance_px:g} px of it"
     thinned = followers.points != followers.file_points

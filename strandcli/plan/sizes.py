@@ -134,7 +134,7 @@ def _in_file(scene: Scene) -> int:
 def most_strands(scene: Scene, strands: int, times: Sequence[float]) -> int:
     """Return the greatest number of strands that are drawn at some times."""
     if scene.emitter.followers is not None:
-        return scene.emitter.followers.kept
+        return scene.emitter.followers.drawn
     if scene.children is None:
         return strands
     least = 0 if scene.detail is None else max((strands_needed(scene, time) for time in times), default=0)

@@ -43,10 +43,10 @@ def test_level_of_detail_draws_fewer_and_covers_as_much(tmp_path: Path) -> None:
     pixels = 2 * whole.material.width / pixel(whole)
     fewer = moving(path, detail={"pixels": pixels}, **settings)
     assert fewer.emitter.followers is not None
-    assert 600 < fewer.emitter.followers.kept < 2400
+    assert 600 < fewer.emitter.followers.drawn < 2400
     pictures = [next(pipeline.render(one, [3])) for one in (whole, fewer)]
     assert pictures[0].report["counts"]["strands"] == 3000
-    assert pictures[1].report["counts"]["strands"] <= fewer.emitter.followers.kept
+    assert pictures[1].report["counts"]["strands"] <= fewer.emitter.followers.drawn
     a, b = (one.image.astype(float) for one in pictures if one.image is not None)
     background = a[0, 0]
     covered = [float((np.abs(one - background).sum(2) > 30).mean()) for one in (a, b)]

@@ -16,7 +16,7 @@ from . import layout
 from .layout import Child, Container, Cursor, Group
 
 DEEPEST = 128
-"""Objects in one another, at most: their paths are kept."""
+"""Objects in one another, at most: their paths are stored."""
 CLOSE = 1e-6
 """Seconds by which times may differ that mean the same."""
 

@@ -1,4 +1,4 @@
-"""Curves of an Alembic archive, each object as it is told, where transforms put it; `strandcli.exchange.parts` makes
+"""Curves of an Alembic archive, each object as it is stored, where transforms put it; `strandcli.exchange.parts` makes
 strands of all of them."""
 
 from __future__ import annotations
@@ -34,11 +34,11 @@ Geometry = dict[str, Property]
 def basis_of(archive: Archive, path: str, geometry: Geometry) -> Basis:
     """What control points mean. Raises `UsageError` for curves that are not read. Cubic ones without a basis are joined
     straight, as Blender and Houdini do; NURBS of order 4 are taken as uniform B-splines, which reach their ends where
-    knots clamp them, and others joined straight."""
-    told = geometry.get("curveBasisAndType")
-    if told is None or told.kind == layout.COMPOUND or told.extent < 3 or not told.samples or not told.dtype:
+    knots clamp them, and the rest joined straight."""
+    entry = geometry.get("curveBasisAndType")
+    if entry is None or entry.kind == layout.COMPOUND or entry.extent < 3 or not entry.samples or not entry.dtype:
         return Basis(LINEAR)
-    curve, periodic, number = (int(one) for one in archive.values(told).reshape(-1)[:3])
+    curve, periodic, number = (int(one) for one in archive.values(entry).reshape(-1)[:3])
     wrap = "periodic" if periodic else "nonperiodic"
     name = layout.BASES[number] if 0 <= number < len(layout.BASES) else f"of number {number}"
     if curve == layout.LINEAR:
@@ -166,21 +166,21 @@ class Curves:
 
 
 def read_part(
-    archive: Archive, one: Curves, told_of: Mapping[str, Property], fitter: Fitter, seconds: float | None = None
+    archive: Archive, one: Curves, entries: Mapping[str, Property], fitter: Fitter, seconds: float | None = None
 ) -> Part:
     """The points on curves at a time or in the first sample, and their attributes. Raises `UsageError` where control
     points make no curves."""
-    told = one.counts
-    counts = archive.at(told, seconds).reshape(-1)
+    entry = one.counts
+    counts = archive.at(entry, seconds).reshape(-1)
     if counts.size and (int(counts.min()) < 0 or int(counts.max()) > np.iinfo(np.int32).max):
         worst = int(np.argmin(counts) if int(counts.min()) < 0 else np.argmax(counts))
-        raise archive.file.damaged(f"{told.path}: curve {worst:,} has {counts[worst]:,} points", told.child.at)
+        raise archive.file.damaged(f"{entry.path}: curve {worst:,} has {counts[worst]:,} points", entry.child.at)
     control = archive.at(one.points, seconds).astype(np.float32, copy=False)
     basis, at = basis_of(archive, one.path, one.geometry), one.points.child.at
     curves = fitter.fitted(
         one.path, counts.astype(np.int64), control, basis, lambda words: archive.file.fault(words, at)
     )
-    values = ((name, *_values(archive, told, seconds)) for name, told in told_of.items())
+    values = ((name, *_values(archive, entry, seconds)) for name, entry in entries.items())
     return part_of(one.path, curves, control, fitter, world(archive, one.transforms, seconds), values)
 
 
@@ -189,16 +189,16 @@ def attributes_of(archive: Archive, one: Curves) -> dict[str, Property]:
     found = {layout.NAMES.get(name, name): one.geometry[name] for name in ("width", "uv", "N") if name in one.geometry}
     added = one.geometry.get(".arbGeomParams")
     if added is not None and added.kind == layout.COMPOUND:
-        for name, told in archive.compound(added).items():
-            found.setdefault(layout.NAMES.get(name, name), told)
+        for name, entry in archive.compound(added).items():
+            found.setdefault(layout.NAMES.get(name, name), entry)
     return found
 
 
-def _values(archive: Archive, told: Property, seconds: float | None) -> tuple[str, npt.NDArray[Any] | None]:
+def _values(archive: Archive, entry: Property, seconds: float | None) -> tuple[str, npt.NDArray[Any] | None]:
     """What a property's sample at a time, or its first, belongs to, and its rows of numbers; None of other things."""
-    values_of, indices = told, None
-    if told.kind == layout.COMPOUND:
-        both = archive.compound(told)
+    values_of, indices = entry, None
+    if entry.kind == layout.COMPOUND:
+        both = archive.compound(entry)
         if ".vals" not in both or ".indices" not in both:
             return "", None
         indices, values_of = both[".indices"], both[".vals"]
@@ -207,7 +207,7 @@ def _values(archive: Archive, told: Property, seconds: float | None) -> tuple[st
     values: Any = archive.at(values_of, seconds)
     if indices is not None:
         values = _expanded(archive, indices, values, seconds)
-    scope = told.metadata.get("geoScope", values_of.metadata.get("geoScope", ""))
+    scope = entry.metadata.get("geoScope", values_of.metadata.get("geoScope", ""))
     if values_of.dtype == "?":
         values = (values != 0).astype(np.int8)
     return layout.SCOPES.get(scope, ""), values

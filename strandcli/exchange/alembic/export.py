@@ -17,7 +17,7 @@ from . import layout
 from .writer import Kind, Member, Sample, Writer, sampling
 
 EVEN = 1e-6
-"""Seconds by which times may be off that are told as even."""
+"""Seconds by which times may be off that are written as even."""
 SCOPES: dict[Domain, str] = {"point": "vtx", "strand": "uni", "groom": "con"}
 ADDED = {ours: theirs for theirs, ours in layout.NAMES.items() if ours in ("root_uv", "colour")}
 """Names of attributes that are added to curves where they differ from ours."""
@@ -57,10 +57,10 @@ def write(path: Path, strands: Strands, samples: Iterable[TimeSample] | None = N
         samplings = sampling(0 if moving else 1, 1.0, [0.0])
         if moving:
             samplings += sampling(len(times), cycle, when)
-        told = {"_ai_Application": "strandcli"}
+        entries = {"_ai_Application": "strandcli"}
         if moving and len(when) == 1 and cycle != 1.0:
-            told["_ai_DCC_FPS"] = f"{1 / cycle:.6g}"
-        writer.close(top, told, samplings)
+            entries["_ai_DCC_FPS"] = f"{1 / cycle:.6g}"
+        writer.close(top, entries, samplings)
     return left_out(strands, ".abc", strands.attributes.keys() - lost) + renamed(strands, legal, ".abc")
 
 
@@ -126,13 +126,13 @@ def _geometry(
 
 
 def _attributes(writes: _Properties, strands: Strands) -> tuple[list[Member], list[Member], list[str]]:
-    """Attributes that curves have themselves, those that are added to them, and the names of others."""
+    """Attributes that curves have themselves, those that are added to them, and the names of the rest."""
     own, lost = [], []
     added: dict[str, Member] = {}
     for attribute, one in strands.attributes.items():
-        told = _curves_own(attribute, one, strands)
-        if told is not None:
-            own.append(writes.of(*told))
+        property = _curves_own(attribute, one, strands)
+        if property is not None:
+            own.append(writes.of(*property))
             continue
         name, numbers = ADDED.get(attribute, attribute), _numbers(one)
         if numbers is None or not name or "/" in name or name in added:
@@ -143,8 +143,8 @@ def _attributes(writes: _Properties, strands: Strands) -> tuple[list[Member], li
 
 
 def _curves_own(attribute: str, one: Attribute, strands: Strands) -> tuple[str, Kind, npt.NDArray[Any]] | None:
-    """Name, kind and values (rows, numbers) of an attribute that curves have themselves; None of others. Widths of
-    strands become those of their points: Blender takes no others."""
+    """Name, kind and values (rows, numbers) of an attribute that curves have themselves; None of the rest. Widths of
+    strands become those of their points: Blender takes no other ones."""
     if attribute not in OWN or one.values.dtype.kind != "f":
         return None
     name, extent, interpretation = OWN[attribute]
@@ -167,12 +167,12 @@ def _numbers(one: Attribute) -> npt.NDArray[Any] | None:
 def _kind(domain: Domain, values: npt.NDArray[Any], colour: bool, interpretation: str = "") -> Kind:
     """What the values (rows, numbers) of a domain are, as Alembic's parameters of geometry tell it."""
     extent = values.shape[1]
-    told = interpretation
-    if not told and values.dtype.kind == "f":
-        told = {3: "rgb", 4: "rgba"}.get(extent, "") if colour else "vector" if extent in (2, 3) else ""
+    meaning = interpretation
+    if not meaning and values.dtype.kind == "f":
+        meaning = {3: "rgb", 4: "rgba"}.get(extent, "") if colour else "vector" if extent in (2, 3) else ""
     name = TYPES_OF[values.dtype.newbyteorder("<").str]
     metadata = {
-        "arrayExtent": "1", "geoScope": SCOPES[domain], "interpretation": told, "isGeomParam": "true",
+        "arrayExtent": "1", "geoScope": SCOPES[domain], "interpretation": meaning, "isGeomParam": "true",
         "podExtent": str(extent), "podName": name,
     }  # fmt: skip
     return Kind(name, extent, metadata)

@@ -1,5 +1,5 @@
 """What readers and writers of Alembic archives share: marks, types of numbers, bits of headers; and Ogawa, the
-container, as it is read: groups, whose children are groups or data, told by the byte where they begin.
+container, as it is read: groups, whose children are groups or data, known by the byte where they begin.
 
 Nothing is believed: every byte lies in the file, and what is read in all is bounded, since children may be shared.
 """
@@ -47,7 +47,7 @@ TYPE = 4
 SAMPLED = 1 << 8
 """Bit: has a time sampling other than the first."""
 RANGE = 1 << 9
-"""Bit: first and last changed sample are told."""
+"""Bit: first and last changed sample are stored."""
 SAME_SIZE = 1 << 10
 """Bit: all samples have the same size."""
 CONSTANT = 1 << 11
@@ -185,7 +185,7 @@ class Container:
         return Data(position + WORD.size, size)
 
     def headers(self, child: Child) -> Cursor:
-        """The bytes of a child that describes others."""
+        """The bytes of a child that describes the rest."""
         data = self.data(child)
         if data.size > LARGEST_HEADERS:
             raise self.file.damaged(f"{child.name}: headers of {amount(data.size)}", data.begin)

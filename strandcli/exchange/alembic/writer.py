@@ -78,9 +78,9 @@ class Writer:
             self.samples[key] = Sample(self.data(digest, content) if len(content) else layout.DATA, digest)
         return self.samples[key]
 
-    def metadata(self, told: dict[str, str]) -> tuple[int, bytes]:
+    def metadata(self, entries: dict[str, str]) -> tuple[int, bytes]:
         """The index of metadata, and their text where they have none."""
-        text = ";".join(f"{key}={told[key]}" for key in sorted(told))
+        text = ";".join(f"{key}={entries[key]}" for key in sorted(entries))
         if not text:
             return 0, b""
         if text not in self.indexed:
@@ -100,7 +100,7 @@ class Writer:
         return Member(header, self.group(words), _digest(header, *(one.digest for one in samples)))
 
     def compound(self, name: str, metadata: dict[str, str], members: Sequence[Member]) -> Member:
-        """A property that holds others."""
+        """A property that holds properties."""
         header = self._header(layout.COMPOUND, name, metadata)
         return Member(header, self.properties(members), _digest(header, *(one.digest for one in members)))
 
@@ -126,8 +126,8 @@ class Writer:
         self, name: str, schema: str, members: Sequence[Member], children: Sequence[Member], base: str = ""
     ) -> Member:
         """An object of a schema, its properties, and the objects that it holds; ``base``: the schema's base."""
-        told = {"schema": schema, "schemaObjTitle": f"{schema}:{SCHEMAS[schema]}"}
-        index, text = self.metadata(told | ({"schemaBaseType": base} if base else {}))
+        entries = {"schema": schema, "schemaObjTitle": f"{schema}:{SCHEMAS[schema]}"}
+        index, text = self.metadata(entries | ({"schemaBaseType": base} if base else {}))
         letters = name.encode()
         header = struct.pack("<I", len(letters)) + letters + struct.pack("<B", index)
         header += self._written_out(index, text, "<I")

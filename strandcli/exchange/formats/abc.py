@@ -69,12 +69,12 @@ class _Clock:
     def add(self, archive: Archive, one: Curves, attributes: Mapping[str, Property]) -> None:
         """Take in an object with attributes."""
         moving = [move.values for move in one.transforms if move.values and move.values.last]
-        for told in (one.points, *moving):
-            self._times.update(archive.times(told))
-            if told.last and 0 < told.sampling.cycle < layout.ACYCLIC:
-                self._cycles.add(told.sampling.cycle)
-        for name, told in attributes.items():
-            parts = archive.compound(told).values() if told.kind == layout.COMPOUND else (told,)
+        for entry in (one.points, *moving):
+            self._times.update(archive.times(entry))
+            if entry.last and 0 < entry.sampling.cycle < layout.ACYCLIC:
+                self._cycles.add(entry.sampling.cycle)
+        for name, entry in attributes.items():
+            parts = archive.compound(entry).values() if entry.kind == layout.COMPOUND else (entry,)
             self.changing.update([name] if any(part.last for part in parts) else [])
 
     @property
@@ -91,16 +91,16 @@ class _Clock:
 
 def _all_curves(archive: Archive) -> Iterator[Curves]:
     """The objects of curves of an archive, one after the other. Raises `UsageError` where there are none."""
-    found, others = False, set()
+    found, schemas = False, set()
     for one in archive.objects():
         schema = one.metadata.get("schema", "")
         if schema.startswith("AbcGeom_Curve_"):
             found = True
             yield _curves(archive, one)
         else:
-            others.add(schema or "no schema")
+            schemas.add(schema or "no schema")
     if not found:
-        there = f"; there are objects of {', '.join(sorted(others)[:5])}" if others else ""
+        there = f"; there are objects of {', '.join(sorted(schemas)[:5])}" if schemas else ""
         raise archive.file.fault(f"has no curves{there}", archive.container.root.at)
 
 
@@ -108,12 +108,12 @@ def _curves(archive: Archive, one: Object) -> Curves:
     geometry = archive.properties(one).get(".geom")
     if geometry is None or geometry.kind != layout.COMPOUND:
         raise archive.file.damaged(f"{one.path}: has no .geom", one.group.begin)
-    told = archive.compound(geometry)
+    entry = archive.compound(geometry)
     for name, extent, kinds in (("P", 3, "f"), ("nVertices", 1, "iu")):
-        found = told.get(name)
+        found = entry.get(name)
         if found is None or found.kind == layout.COMPOUND:
             raise archive.file.damaged(f"{geometry.path}: has no {name}", geometry.child.at)
         if found.extent != extent or np.dtype(found.dtype or "S").kind not in kinds:
             kind = layout.TYPES[found.type].name
             raise archive.file.damaged(f"{found.path}: {found.extent} {kind} an element", found.child.at)
-    return Curves(one.path, told, chain(archive, one))
+    return Curves(one.path, entry, chain(archive, one))

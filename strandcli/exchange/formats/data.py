@@ -1,4 +1,4 @@
-"""`.data` of USC-HairSalon, Hair20k and others, and `.bin` of CT2Hair.
+"""`.data` of USC-HairSalon, Hair20k and more, and `.bin` of CT2Hair.
 
 Little-endian: i32 number of strands; of each strand i32 number of points, then for each point xyz as f32, in `.bin`
 with four more, of which nothing is known. Nothing but the size of the file tells the two apart.

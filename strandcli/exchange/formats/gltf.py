@@ -35,8 +35,8 @@ def is_mesh(path: Path) -> bool:
 
 def read(path: Path, options: ReadOptions) -> Strands:
     """The strands of all lines of the scene. Of pairs one that begins where the one before it ends goes on with it."""
-    parts, others = _parts(path)
-    facts: dict[str, Any] = {"not_read": {"primitives of a mesh": others}} if others else {}
+    parts, meshes_left = _parts(path)
+    facts: dict[str, Any] = {"not_read": {"primitives of a mesh": meshes_left}} if meshes_left else {}
     strands, lost = joined(parts, Source(name, "2.0", facts, 1.0, "y"))
     if lost:
         facts["attributes_not_read"] = lost
@@ -52,9 +52,9 @@ def _parts(path: Path) -> tuple[list[Part], int]:
     meshes = file.primitives()
     lines = [[one for one in mesh if LINES <= _mode(one) <= STRIP] for mesh in meshes]
     placed = [one for one in placed_meshes(file) if lines[one[0]]]
-    others = sum(_mode(one) >= TRIANGLES for mesh in meshes for one in mesh)
+    meshes_left = sum(_mode(one) >= TRIANGLES for mesh in meshes for one in mesh)
     if not placed:
-        raise UsageError(f"{path}: {IS_MESH}") if others else file.fault("scene", "has no lines")
+        raise UsageError(f"{path}: {IS_MESH}") if meshes_left else file.fault("scene", "has no lines")
     counts = [sum(_count(file, one) for one in mesh) for mesh in lines]
     why = too_many("points of its lines", sum(counts[mesh] for mesh, _, _ in placed), OF_POINT, file.size)
     if why:
@@ -67,7 +67,7 @@ def _parts(path: Path) -> tuple[list[Part], int]:
         one = known[mesh]
         points = moved(one.points, None if np.array_equal(matrix, np.eye(4)) else matrix.T)
         parts.append(Part(label, one.counts, points, unread=one.unread))
-    return parts, others
+    return parts, meshes_left
 
 
 def _mode(primitive: dict[str, Any]) -> int:

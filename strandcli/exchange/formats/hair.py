@@ -32,7 +32,7 @@ AT_STRANDS, AT_POINTS, AT_FLAGS = 4, 8, 12
 """Bytes of the header's counts."""
 MOST_SEGMENTS = 65_535
 UNTOLD = 1.0
-"""The header's thickness where nobody set one, in Yuksel's own library and here."""
+"""The header's thickness where none is set, in Yuksel's own library and here."""
 
 
 def sniff(head: bytes, size: int) -> bool:

@@ -69,7 +69,7 @@ class Archive:
     """The arrays of a file by name, and how many bytes may still be taken for them."""
 
     def __init__(self, file: Bounded, archive: zipfile.ZipFile) -> None:
-        """Read the headers of all arrays; ``members`` are of numbers, ``texts`` of text, others are left out."""
+        """Read the headers of all arrays; ``members`` are of numbers, ``texts`` of text, the rest are left out."""
         self.file, self.archive = file, archive
         self.room = 2 * file.size + SPARE
         self.members: dict[str, Member] = {}
@@ -193,17 +193,17 @@ def read(path: Path, options: ReadOptions) -> Strands:
                 values = _read(file, archive, one)
                 flat = values.reshape(-1, *values.shape[2:]) if domain == "point" and not ragged else values
                 attributes[one.name] = Attribute(domain, flat)
-        kept = {member.name, FIRST, *attributes}
+        retained = {member.name, FIRST, *attributes}
         objects = _objects(archive, attributes)
     facts: dict[str, Any] = {"array": member.name, "shape": list(member.shape), "type": str(member.kind)}
-    unread = [one for one in members if one not in kept]
+    unread = [one for one in members if one not in retained]
     if unread:
         facts["arrays_not_read"] = unread
     return without_short(Strands(first, points, attributes, Source(name, facts=facts), objects))
 
 
 def _objects(archive: Archive, attributes: dict[str, Attribute]) -> tuple[str, ...]:
-    """The names of objects, () where there are none. Raises `UsageError` where strands are of others."""
+    """The names of objects, () where there are none. Raises `UsageError` where strands are of unnamed ones."""
     if OBJECT_NAMES not in archive.texts:
         return ()
     member = archive.texts[OBJECT_NAMES]

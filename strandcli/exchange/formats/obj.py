@@ -73,7 +73,7 @@ def read(path: Path, options: ReadOptions) -> Strands:
 
 
 class _Names:
-    """Names of objects, by ``o``, or by ``g`` where there are no others."""
+    """Names of objects, by ``o``, or by ``g`` where there is no ``o``."""
 
     def __init__(self) -> None:
         self.numbers = {b"": 0}
@@ -143,8 +143,8 @@ def write(path: Path, strands: Strands, samples: Iterable[TimeSample] | None = N
     colour = strands.attributes.get("colour")
     coloured = colour is not None and colour.domain != "groom" and colour.values.shape[1:] == (3,)
     write_pieces(path, _text(strands, coloured))
-    kept = [*([OBJECT] if strands.objects else []), *(["colour"] if coloured else [])]
-    return left_out(strands, name, kept) + renamed(strands, _legal, name)
+    retained = [*([OBJECT] if strands.objects else []), *(["colour"] if coloured else [])]
+    return left_out(strands, name, retained) + renamed(strands, _legal, name)
 
 
 def _legal(label: str) -> str:

@@ -1,6 +1,6 @@
 """`.ply`: text, or binary of either byte order.
 
-Strands are told by an element ``strand`` with the property ``nsegs`` (segments of each, as hairutil writes it), by an
+Strands are given by an element ``strand`` with the property ``nsegs`` (segments of each, as hairutil writes it), by an
 element ``edge`` that joins successive vertices, or not at all: then all strands have as many points, which
 `ReadOptions.stride` tells.
 """
@@ -140,7 +140,7 @@ def write(path: Path, strands: Strands, samples: Iterable[TimeSample] | None = N
     strands = with_width_each(strands)
     counts = strands.counts(np.int32)
     kinds: list[tuple[str, str, Any]] = [(axis, "<f4", strands.points[:, i]) for i, axis in enumerate(XYZ)]
-    kept = []
+    retained = []
     for attribute, names in (("width", ("thickness",)), ("transparency", ("alpha",)), ("colour", RGB)):
         one = strands.attributes.get(attribute)
         if one is None or one.domain == "groom" or one.values.size != len(names) * one.values.shape[0]:
@@ -150,7 +150,7 @@ def write(path: Path, strands: Strands, samples: Iterable[TimeSample] | None = N
         if one.domain == "strand":
             rows = np.repeat(rows, strands.counts(), axis=0)
         kinds += [(label, kind, rows[:, i]) for i, label in enumerate(names)]
-        kept.append(attribute)
+        retained.append(attribute)
     counts -= 1
     segments = "<u2" if not counts.size or counts.max() <= 65_535 else "<i4"
     words = {"<f4": "float", "|u1": "uchar", "<u2": "ushort", "<i4": "int"}
@@ -165,4 +165,4 @@ def write(path: Path, strands: Strands, samples: Iterable[TimeSample] | None = N
     ]  # fmt: skip
     parts = [records(kinds, strands.points.shape[0]), records(columns, strands.count)]
     write_pieces(path, chain(["\n".join(header).encode()], parts, edges_of(strands)))
-    return left_out(strands, name, kept)
+    return left_out(strands, name, retained)

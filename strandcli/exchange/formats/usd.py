@@ -97,9 +97,9 @@ def _part(path: Path, message: Message, fitter: Fitter, lenient: bool) -> Part:
     return found
 
 
-def _named(told: list[list[str]], values: list[npt.NDArray[Any]]) -> Iterator[tuple[str, str, npt.NDArray[Any]]]:
-    """Of each attribute our name, what it belongs to, and its values, told by USD's names."""
-    for (theirs, interpolation), numbers in zip(told, values, strict=True):
+def _named(attributes: list[list[str]], values: list[npt.NDArray[Any]]) -> Iterator[tuple[str, str, npt.NDArray[Any]]]:
+    """Of each attribute our name, what it belongs to, and its values, by USD's names."""
+    for (theirs, interpolation), numbers in zip(attributes, values, strict=True):
         ours = NAMES.get(theirs, theirs)
         opaque = ours == "transparency" and numbers.dtype.kind == "f"
         yield ours, "varying" if interpolation == "faceVarying" else interpolation, 1 - numbers if opaque else numbers

@@ -74,14 +74,14 @@ def length(points, begin, end):
 
 
 @device
-def apart(points, i, others, j, k):
-    """Square of the distance from point i to the segment between j and k of ``others``."""
-    ex = np.float64(others[k, 0]) - others[j, 0]
-    ey = np.float64(others[k, 1]) - others[j, 1]
-    ez = np.float64(others[k, 2]) - others[j, 2]
-    x = np.float64(points[i, 0]) - others[j, 0]
-    y = np.float64(points[i, 1]) - others[j, 1]
-    z = np.float64(points[i, 2]) - others[j, 2]
+def apart(points, i, line, j, k):
+    """Square of the distance from point i to the segment between j and k of ``line``."""
+    ex = np.float64(line[k, 0]) - line[j, 0]
+    ey = np.float64(line[k, 1]) - line[j, 1]
+    ez = np.float64(line[k, 2]) - line[j, 2]
+    x = np.float64(points[i, 0]) - line[j, 0]
+    y = np.float64(points[i, 1]) - line[j, 1]
+    z = np.float64(points[i, 2]) - line[j, 2]
     square = ex * ex + ey * ey + ez * ez
     t = min(max((x * ex + y * ey + z * ez) / square, 0.0), 1.0) if square > 0.0 else 0.0
     x -= t * ex

@@ -47,7 +47,7 @@ def write(path: Path, strands: Strands, samples: Iterable[TimeSample] | None, be
         temporary.write_bytes(b"")
         temporary.unlink()
         request = {"do": "write", "temporary": str(temporary.absolute()), "format": kind}
-        messages = _messages(path, strands, (there, [held for held, _ in attributes]), samples, beside)
+        messages = _messages(path, strands, (there, [own for own, _ in attributes]), samples, beside)
         for _ in ask(path, request, messages):
             pass
     return left_out(strands, ".usd", strands.attributes.keys() - lost) + renamed(strands, legal, ".usd")
@@ -77,17 +77,17 @@ def _messages(
     header = {
         "rate": rate, "up": up.upper(), "unit": source.unit or 1.0,
         "prims": [
-            {"name": name, "attributes": [[theirs, interpolation] for theirs, interpolation, _ in held]}
-            for name, held in zip(there.names, attributes, strict=True)
+            {"name": name, "attributes": [[theirs, interpolation] for theirs, interpolation, _ in own]}
+            for name, own in zip(there.names, attributes, strict=True)
         ],
         "beside": beside(rate or RATE) if beside else "",
     }  # fmt: skip
     arrays: list[npt.NDArray[Any]] = []
-    for one, held in zip(there.strands, attributes, strict=True):
-        arrays += [one.counts("<i4"), *(values for _, _, values in held)]
+    for one, own in zip(there.strands, attributes, strict=True):
+        arrays += [one.counts("<i4"), *(values for _, _, values in own)]
     yield header, arrays
-    widest = [max((float(values.max(initial=0.0)) for name, _, values in held if name == "widths"), default=0.0)
-              for held in attributes]  # fmt: skip
+    widest = [max((float(values.max(initial=0.0)) for name, _, values in own if name == "widths"), default=0.0)
+              for own in attributes]  # fmt: skip
     yield _points(there, first, rate, widest)
     if second is not None:
         yield _points(there, second, rate, widest)
@@ -139,7 +139,7 @@ def _attributes(strands: Strands) -> tuple[Attributes, list[str]]:
 
 
 def _values(strands: Strands, name: str, one: Attribute) -> npt.NDArray[Any] | None:
-    """Values as (rows, m), in a type that USD has; None of others."""
+    """Values as (rows, m), in a type that USD has; None of the rest."""
     values = one.values
     if name in EXTENTS:
         each = EXTENTS[name]

@@ -166,7 +166,7 @@ def _place(number: int, width: int) -> bytes:
 
 
 def _number(value: Any) -> int:
-    """Which array some values stand for; -1 of others."""
+    """Which array some values stand for; -1 of the rest."""
     if type(value) not in ARRAYS or len(value) != 2 + len(PLACE):
         return -1
     rows = np.asarray(value).reshape(len(value), -1)

@@ -1,5 +1,5 @@
 """The process that reads and writes USD: begun when it is needed, asked, and ended where it does not answer; and
-messages between two processes: what is told as JSON, and arrays behind it."""
+messages between two processes: what is said as JSON, and arrays behind it."""
 
 from __future__ import annotations
 
@@ -55,7 +55,7 @@ class RefusedFileError(Exception):
 
 
 def send(stream: BinaryIO, header: dict[str, Any], arrays: Sequence[npt.NDArray[Any]] = ()) -> None:
-    """Send a message. Raises `OSError` where nobody listens any more."""
+    """Send a message. Raises `OSError` where the other end is closed."""
     text = json.dumps({**header, "arrays": [[one.dtype.str, list(one.shape)] for one in arrays]}).encode()
     stream.write(SIZE.pack(len(text)) + text)
     for one in arrays:
@@ -145,14 +145,14 @@ class Process:
         return code
 
 
-_kept: list[Process] = []
+_idle: list[Process] = []
 """The process that waits for the next file."""
 
 
 @atexit.register
-def _stop_kept() -> None:
-    while _kept:
-        _kept.pop().stop()
+def _stop_idle() -> None:
+    while _idle:
+        _idle.pop().stop()
 
 
 def ask(path: Path, header: dict[str, Any], more: Iterator[Message] | None = None) -> Iterator[Message]:
@@ -193,9 +193,9 @@ def ask(path: Path, header: dict[str, Any], more: Iterator[Message] | None = Non
     except EndedError:
         raise _error(path, header["do"], "crashes Pixar's library, or takes it too long; it is damaged") from None
     finally:
-        if done and not _kept and (moves or taken <= KEPT):
+        if done and not _idle and (moves or taken <= KEPT):
             process.deadline = float("inf")
-            _kept.append(process)
+            _idle.append(process)
         else:
             process.stop()
 
@@ -203,9 +203,9 @@ def ask(path: Path, header: dict[str, Any], more: Iterator[Message] | None = Non
 def _begun(path: Path, header: dict[str, Any]) -> Process:
     """A process that has the request: the one that waits if it still does, else a new one."""
     while True:
-        waits, process = bool(_kept), None
+        waits, process = bool(_idle), None
         try:
-            process = _kept.pop() if waits else Process()
+            process = _idle.pop() if waits else Process()
             process.send(header)
             process.deadline = time.monotonic() + SECONDS
             process.answer(0)

@@ -21,7 +21,7 @@ NAMES = "strandcli:names"
 LENS = ("focalLength", "horizontalAperture", "horizontalApertureOffset", "verticalApertureOffset", "verticalAperture")
 """Attributes of a camera that are sent, in this order."""
 MOST_TOLD, MOST = 8, 100_000
-"""Cameras that are told by name; views of a camera."""
+"""Cameras that are listed by name; views of a camera."""
 
 
 def read(request: dict[str, Any], fill: Fill) -> Iterator[Message]:
@@ -98,7 +98,7 @@ def _settings(stage: Usd.Stage) -> UsdRender.Settings | None:
 
 
 def _picture(settings: UsdRender.Settings | None) -> dict[str, Any]:
-    """Width and height of pictures in pixels, or None; how wide a pixel is over its height; and what is kept of the
+    """Width and height of pictures in pixels, or None; how wide a pixel is over its height; and what is left of the
     aperture where its shape is not the picture's."""
     found: dict[str, Any] = {"size": None, "pixel": 1.0, "conform": "expandAperture"}
     if settings:

@@ -16,7 +16,7 @@ from .process import Fill, Message, RefusedFileError
 PURPOSES = (("default", "render"), ("proxy",), ("guide",))
 """What is for pictures goes before stand-ins, and these before guides."""
 OTHER_CURVES = ("PointInstancer",)
-"""Types of which curves are told but not read."""
+"""Types of which curves are reported but not read."""
 OWN = ("widths", "normals")
 """Attributes that curves have themselves."""
 UNREAD = ("velocities", "accelerations")
@@ -84,34 +84,34 @@ def _code(times: list[float], code: float) -> float:
 
 
 def curves_of(stage: Usd.Stage) -> tuple[list[Usd.Prim], dict[str, Any]]:
-    """The prims of curves that are read, and what is told of others."""
+    """The prims of curves that are read, and what is reported of the rest."""
     found: dict[str, list[Usd.Prim]] = {}
-    others: Counter[str] = Counter()
+    skipped: Counter[str] = Counter()
     prims = iter(Usd.PrimRange.Stage(stage, Usd.TraverseInstanceProxies(Usd.PrimDefaultPredicate)))
     for prim in prims:
         name = str(prim.GetTypeName())
         if name in OTHER_CURVES:
-            others[name] += 1
+            skipped[name] += 1
             prims.PruneChildren()
         elif prim.IsA(UsdGeom.Curves):
             curves = UsdGeom.Curves(prim)
             if curves.ComputeVisibility() == UsdGeom.Tokens.invisible:
-                others["invisible"] += 1
+                skipped["invisible"] += 1
             else:
                 found.setdefault(str(curves.ComputePurpose()), []).append(prim)
         elif name == "Mesh":
-            others[name] += 1
+            skipped[name] += 1
         elif not prim.IsA(UsdGeom.Imageable) or not prim.IsLoaded():
-            others["not loaded"] += not prim.IsLoaded()
+            skipped["not loaded"] += not prim.IsLoaded()
     for purposes in PURPOSES:
         chosen = [prim for purpose in purposes for prim in found.get(purpose, ())]
         if chosen:
             left = {purpose: len(there) for purpose, there in found.items() if purpose not in purposes}
             stated = {f"of purpose {purpose}": count for purpose, count in left.items()}
             purpose = "" if purposes == PURPOSES[0] else purposes[0]
-            return chosen, {"not_read": {**{k: v for k, v in others.items() if v}, **stated}, "purpose": purpose}
-    there = ", ".join(f"{count} {name}" for name, count in others.items() if count)
-    if others["PointInstancer"]:
+            return chosen, {"not_read": {**{k: v for k, v in skipped.items() if v}, **stated}, "purpose": purpose}
+    there = ", ".join(f"{count} {name}" for name, count in skipped.items() if count)
+    if skipped["PointInstancer"]:
         there += ", whose instances are curves once its program makes them real"
     missing = len(stage.GetCompositionErrors())
     there += f"{'; ' if there else ''}{missing} of the files that it names cannot be read" if missing else ""
@@ -155,7 +155,7 @@ def _points(prim: Usd.Prim, moment: Usd.TimeCode) -> Any:
 
 def _basis(prim: Usd.Prim, moment: Usd.TimeCode) -> list[str]:
     """Type, basis and wrap of curves, and what they are where these do not say it. NURBS of order 4 are taken as
-    uniform B-splines, which reach their ends where knots clamp them; others are joined straight."""
+    uniform B-splines, which reach their ends where knots clamp them; the rest are joined straight."""
     if prim.IsA(UsdGeom.NurbsCurves):
         curves = UsdGeom.NurbsCurves(prim)
         weights = np.asarray(curves.GetPointWeightsAttr().Get(moment) or [])

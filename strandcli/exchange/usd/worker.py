@@ -28,7 +28,7 @@ NAMESPACE = re.compile(r" matching pxr.*?(?= at |$)|pxr\w+::")
 
 
 def main() -> None:
-    """Answer until nobody asks any more."""
+    """Answer until the other end is closed."""
     incoming, outgoing = os.fdopen(os.dup(0), "rb", 0), os.fdopen(os.dup(1), "wb", 1 << 16)
     nothing = os.open(os.devnull, os.O_RDWR)
     for descriptor in (0, 1, 2):  # Pixar's library prints

@@ -13,7 +13,7 @@ from .process import Fill, Message, receive
 HOLDER = "/strands"
 """What holds several prims of curves; one stands by itself."""
 SAVED = 1 << 26
-"""Bytes of points that are kept in memory before they are written."""
+"""Bytes of points that are in memory before they are written."""
 VALUES = {
     ("f4", 1): (Sdf.ValueTypeNames.FloatArray, Vt.FloatArray),
     ("f4", 2): (Sdf.ValueTypeNames.Float2Array, Vt.Vec2fArray),
@@ -25,7 +25,7 @@ VALUES = {
 }
 """Types of primvars, by the type and number of the numbers that they are made of."""
 OWN = ("widths", "normals")
-"""Attributes that curves have themselves; others are primvars."""
+"""Attributes that curves have themselves; the rest are primvars."""
 TYPES = {"normals": Sdf.ValueTypeNames.Normal3fArray, "displayColor": Sdf.ValueTypeNames.Color3fArray,
          "st": Sdf.ValueTypeNames.TexCoord2fArray,
          "groom_root_uv": Sdf.ValueTypeNames.TexCoord2fArray}  # fmt: skip
@@ -33,7 +33,7 @@ TYPES = {"normals": Sdf.ValueTypeNames.Normal3fArray, "displayColor": Sdf.ValueT
 
 
 def write(request: dict[str, Any], fill: Fill) -> Iterator[Message]:
-    """Write what is told until it is said to be all. Messages are taken to the last one, whatever is wrong."""
+    """Write what comes until it is said to be all. Messages are taken to the last one, whatever is wrong."""
     parts = _parts(fill)
     try:
         _write(request, parts)
@@ -69,11 +69,11 @@ def _write(request: dict[str, Any], parts: Iterator[Message]) -> None:
                 waiting += points[-1].nbytes
                 values = Vt.Vec3fArray.FromNumpy(np.ascontiguousarray(points.pop()))
                 box = Vt.Vec3fArray([Gf.Vec3f(*corner) for corner in extent])
-                for name, held in ((UsdGeom.Tokens.points, values), (UsdGeom.Tokens.extent, box)):
+                for name, stored in ((UsdGeom.Tokens.points, values), (UsdGeom.Tokens.extent, box)):
                     if code is None:
-                        layer.GetAttributeAtPath(f"{place}.{name}").default = held
+                        layer.GetAttributeAtPath(f"{place}.{name}").default = stored
                     else:
-                        layer.SetTimeSample(f"{place}.{name}", code, held)
+                        layer.SetTimeSample(f"{place}.{name}", code, stored)
         codes += [] if code is None else [code]
         if waiting > SAVED and request["format"] == "usdc":
             layer.Save()
@@ -144,9 +144,9 @@ def _curves(prim: Sdf.PrimSpec, counts: Any) -> None:
 def _set(prim: Sdf.PrimSpec, attributes: list[list[str]], arrays: list[Any]) -> None:
     """Add attributes, of names and interpolations."""
     for (name, interpolation), values in zip(attributes, arrays, strict=True):
-        held = values[:, 0] if values.shape[1] == 1 else values
+        stored = values[:, 0] if values.shape[1] == 1 else values
         type_name, array = VALUES[values.dtype.str[1:], values.shape[1]]
         own = name in OWN
         kind = TYPES.get(name, type_name)
-        numbers = array.FromNumpy(np.ascontiguousarray(held))
+        numbers = array.FromNumpy(np.ascontiguousarray(stored))
         _attribute(prim, name if own else f"primvars:{name}", kind, numbers, interpolation)

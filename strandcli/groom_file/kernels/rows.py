@@ -45,7 +45,7 @@ def pack(first, points, rows, order, out):
         for lane in range(W):
             s = order[min(b * W + lane, order.shape[0] - 1)]
             for c in range(3):
-                lay(points, rows, first[s], first[s + 1], c, out[b, 1:, c * W + lane])
+                write_row(points, rows, first[s], first[s + 1], c, out[b, 1:, c * W + lane])
         for k in range(3 * W):
             out[b, 0, k] = np.float32(2.0) * out[b, 1, k] - out[b, 2, k]
 
@@ -54,11 +54,11 @@ def pack(first, points, rows, order, out):
 def spread(first, values, rows, order, out):
     """Write values (P, 1) of the points of strands in an ``order`` (S,), which get the rows (P,), to out (S, n)."""
     for s in prange(out.shape[0]):
-        lay(values, rows, first[order[s]], first[order[s] + 1], 0, out[s])
+        write_row(values, rows, first[order[s]], first[order[s] + 1], 0, out[s])
 
 
 @device
-def lay(values, rows, begin, end, c, out):
+def write_row(values, rows, begin, end, c, out):
     """Write column c of the values from ``begin`` to ``end`` to out (n,): in their rows, and linear ones between."""
     if rows is None:
         for i in range(begin, end):

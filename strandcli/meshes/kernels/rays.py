@@ -44,7 +44,7 @@ def box_entry(box, ox, oy, oz, ix, iy, iz, t_max):
 
 @device
 def sheared(dx, dy, dz):
-    """The axis along which a direction is longest, the two others in an order that keeps winding, and the shear that
+    """The axis along which a direction is longest, the other two in an order that keeps winding, and the shear that
     turns it to that axis: kx, ky, kz, sx, sy, sz."""
     kz = 0
     if abs(dy) > abs(dx):

@@ -74,9 +74,9 @@ def bin_of(box, k, low, scale):
 
 
 @device
-def best_split(boxes, order, begin, end, middle, bins, held):
+def best_split(boxes, order, begin, end, middle, bins, counts):
     """The axis and the first bin of the second child at the least cost, and that cost; axis -1 where all centres
-    are the same. middle: (6,) box of the doubled centres; bins: (BINS, 6), held: (BINS,) scratch."""
+    are the same. middle: (6,) box of the doubled centres; bins: (BINS, 6), counts: (BINS,) scratch."""
     cost, axis, place = LARGE, -1, 0
     for k in range(3):
         wide = middle[3 + k] - middle[k]
@@ -85,17 +85,17 @@ def best_split(boxes, order, begin, end, middle, bins, held):
         scale = np.float32(BINS) / wide
         for b in range(BINS):
             clear(bins[b])
-            held[b] = 0
+            counts[b] = 0
         for i in range(begin, end):
             b = bin_of(boxes[order[i]], k, middle[k], scale)
             widen(bins[b], boxes[order[i]])
-            held[b] += 1
-        cost, axis, place = sweep(bins, held, k, cost, axis, place)
+            counts[b] += 1
+        cost, axis, place = sweep(bins, counts, k, cost, axis, place)
     return axis, place, cost
 
 
 @device
-def sweep(bins, held, k, cost, axis, place):
+def sweep(bins, counts, k, cost, axis, place):
     """The cheapest split among those known and those between the bins of axis k. Rows of `bins` from `BINS` on are
     scratch: the box of all bins from one on."""
     clear(bins[BINS + BINS])  # above the last bin there is nothing
@@ -104,16 +104,16 @@ def sweep(bins, held, k, cost, axis, place):
         clear(above)
         widen(above, bins[BINS + b + 1])
         widen(above, bins[b])
-        held[BINS + b] = held[b] + (held[BINS + b + 1] if b < BINS - 1 else 0)
+        counts[BINS + b] = counts[b] + (counts[BINS + b + 1] if b < BINS - 1 else 0)
     below = bins[BINS]
     clear(below)
     number = 0
     for b in range(1, BINS):
         widen(below, bins[b - 1])
-        number += held[b - 1]
-        others = held[BINS + b]
-        if number > 0 and others > 0:
-            found = area(below) * np.float32(number) + area(bins[BINS + b]) * np.float32(others)
+        number += counts[b - 1]
+        after = counts[BINS + b]
+        if number > 0 and after > 0:
+            found = area(below) * np.float32(number) + area(bins[BINS + b]) * np.float32(after)
             if found < cost:
                 cost, axis, place = found, k, b
     return cost, axis, place
@@ -139,11 +139,12 @@ def partition(boxes, order, spare, begin, end, axis, place, middle):
 
 
 @function
-def build(boxes, order, spare, bvh, tasks, bins, held):
+def build(boxes, order, spare, bvh, tasks, bins, counts):
     """The number of nodes of the tree, which is written into `bvh`.
 
     boxes: (T, 6) float32 of triangles; order: (T,) int32, 0 to T - 1, becomes the tree's; spare: (T,) int32 scratch;
-    bvh: arrays for 2 T - 1 nodes; tasks: (128, 5) int32, bins: (2 BINS + 2, 6) float32, held: (2 BINS,) int32 scratch.
+    bvh: arrays for 2 T - 1 nodes; tasks: (128, 5) int32, bins: (2 BINS + 2, 6) float32, counts: (2 BINS,) int32
+    scratch.
     """
     middle = bins[2 * BINS + 1]
     tasks[0, BEGIN], tasks[0, END], tasks[0, PARENT], tasks[0, DEPTH] = 0, boxes.shape[0], -1, 0
@@ -165,7 +166,7 @@ def build(boxes, order, spare, bvh, tasks, bins, held):
         count = end - begin
         axis, place, cost = -1, 0, LARGE
         if count > 1 and depth < BALANCED:
-            axis, place, cost = best_split(boxes, order, begin, end, middle, bins, held)
+            axis, place, cost = best_split(boxes, order, begin, end, middle, bins, counts)
         if count <= LEAF and not (axis >= 0 and cost + area(box) < area(box) * np.float32(count)):
             bvh.child[nodes], bvh.counts[nodes] = begin, count
             nodes += 1

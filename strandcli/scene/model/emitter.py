@@ -132,7 +132,7 @@ class Followers:
 
     strands: int
     """That the file has."""
-    kept: int
+    drawn: int
     """Of them, those that some frame draws: level of detail leaves the rest out."""
     points: int
     """Of each, as it is drawn."""
