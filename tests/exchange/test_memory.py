@@ -75,7 +75,7 @@ def test_strands_to_draw_take_three_times_their_file(
 
 
 def peak_of_worker() -> int:
-    status = Path(f"/proc/{process._kept[0].process.pid}/status")
+    status = Path(f"/proc/{process._idle[0].process.pid}/status")
     if not status.exists():
         pytest.skip("asks the system as Linux does")
     return 1024 * int(re.findall(r"VmHWM:\s*(\d+) kB", status.read_text())[0])

@@ -140,9 +140,9 @@ def test_what_usd_cannot_hold_is_told(tmp_path: Path) -> None:
 
 def test_a_worker_that_dies_is_begun_anew(tmp_path: Path) -> None:
     write(tmp_path / "a.usd", kit.of(STRANDS))
-    assert len(process._kept) == 1
-    process._kept[0].process.kill()
-    process._kept[0].process.wait()
+    assert len(process._idle) == 1
+    process._idle[0].process.kill()
+    process._idle[0].process.wait()
     assert read(tmp_path / "a.usd").count == 3
 
 
