@@ -119,7 +119,7 @@ def test_a_worker_that_ends_is_done_without_and_after_three_there_are_no_more(
     monkeypatch.setattr(service, "PROGRAM", "import sys; sys.exit(1)")
     told: list[str] = []
     monkeypatch.setattr(folder.cache, "warn", told.append)
-    monkeypatch.setattr(folder.cache, "_told", set())
+    monkeypatch.setattr(folder.cache, "_reported", set())
     for kernel in (approximations.asin, approximations.exp, approximations.exp2, approximations.acos):
         assert np.isfinite(fresh(kernel)(np.float32(0.5)))
     assert not mine().enabled
