@@ -109,6 +109,7 @@ class Canvas:
         edges = None
         if light.solids is not None:
             edges = find_edges(self.keys, light.solids, light.view, self.size, self.scratch)
+        self.drawing.lap("raster")
         for batch, rows in bands:
             self._band(batch, rows, coverage, edges, front)
             self._base += len(batch.lines.world)
