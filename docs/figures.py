@@ -206,7 +206,7 @@ def kept_of_axis(data: Any) -> Any:
 
 def kept_of_bench(data: Any) -> Any:
     """Of `bench` what pages tell."""
-    keys = ("preset", "stages", "frame", "steps", "rules", "particle_step_ns", "peak_rss_bytes", "exponents")
+    keys = ("preset", "stages", "frame", "steps", "rules", "lines", "particle_step_ns", "peak_rss_bytes", "exponents")
     return {key: data[key] for key in keys if key in data}
 
 
