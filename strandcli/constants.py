@@ -6,10 +6,11 @@ W = 128
 BATCH_VERTICES = 6_000_000
 """Vertices that a z-buffer draws at once, 36 bytes each: more strands go through in batches."""
 
-SORTED_POINTS = 2_000_000
-"""Points of strands that are sorted at once; more are, in batches, drawn in bands of rows."""
+SORTED_POINTS, FILE_POINTS = 8_000_000, 2_000_000
+"""Points of strands that are sorted at once, and of a file's, whose pictures are to take little more memory than they
+do; more are, in batches, drawn in bands of rows, which takes longer."""
 
-BAND_VERTICES, BANDS = 800_000, 16
+BAND_VERTICES, BANDS = 650_000, 16
 """Vertices of a batch and of a band of rows, about, and most bands: a strand is made once for each that it comes to."""
 
 FRAGMENTS = 4_194_304

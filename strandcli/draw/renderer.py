@@ -7,6 +7,7 @@ import math
 import numpy as np
 from numpy.typing import NDArray
 
+from ..constants import FILE_POINTS, SORTED_POINTS
 from ..groom.children import Children
 from ..groom.combed import Combed
 from ..groom.followers import Followers
@@ -60,6 +61,7 @@ class Renderer:
         self.children = children
         if combed is None and scene.emitter.tie is not None:
             combed = Combed(scene, children.every if isinstance(children, Children) else groom)
+        self._of_file = isinstance(children, Followers) or groom.points is not None
         self._deep, self._most = deep, scene.drawn_strands if children is None else children.count
         self.sky = sky_of(scene)
         self.palette = Palette(scene.material, deep, groom.colours, groom.shades)
@@ -194,7 +196,9 @@ class Renderer:
         """Return the batches in which strands are drawn; ``mapped``: whether they are drawn into shadow maps too."""
         ranges = [(0, strands.count)]  # shadows at vertices need all strands at once
         if not self.shadowed:
-            ranges = divide(strands.count, strands.positions.shape[1] - 1, self.scene.curves, self.coverage is not None)
+            points = strands.positions.shape[1] - 1
+            most = None if self.coverage is None else FILE_POINTS if self._of_file else SORTED_POINTS
+            ranges = divide(strands.count, points, self.scene.curves, most)
         return StrandBatches(
             self.scene, strands, view, self._thins, ranges, mapped or bool(self.shadowed), self._drawing, self.scratch,
         )  # fmt: skip

@@ -8,7 +8,7 @@ from dataclasses import dataclass, replace
 import numpy as np
 from numpy.typing import NDArray
 
-from ..constants import BAND_VERTICES, BATCH_VERTICES, SORTED_POINTS, W
+from ..constants import BAND_VERTICES, BATCH_VERTICES, W
 from ..scene.model import Curves, Scene
 from .common.drawing import Drawing
 from .common.scratch import Scratch
@@ -165,14 +165,15 @@ class StrandBatches:
         return lines
 
 
-def divide(strands: int, n: int, curves: Curves, sorts: bool) -> list[tuple[int, int]]:
+def divide(strands: int, n: int, curves: Curves, sorted_points: int | None) -> list[tuple[int, int]]:
     """Return ranges (begin, end) of strands of n points, whole blocks, if a block has no more with at most
-    `BATCH_VERTICES` vertices, or, of more than `SORTED_POINTS` that are sorted, about `BAND_VERTICES`."""
+    `BATCH_VERTICES` vertices; of strands that are sorted, where there are more than ``sorted_points``, with about
+    `BAND_VERTICES`."""
     most = (n - 1) * greatest_pieces(curves) + 1
     at_once = BATCH_VERTICES // most
-    if sorts:  # adaptive curves have half of the pieces that they may have, about
+    if sorted_points is not None:  # adaptive curves have half of the pieces that they may have, about
         several = 2 * BAND_VERTICES // (most + n)
-        at_once = several if strands * n > SORTED_POINTS else strands + W - 1
+        at_once = several if strands * n > sorted_points else strands + W - 1
     step = max(at_once // W, 1) * W
     return [(begin, min(begin + step, strands)) for begin in range(0, strands, step)]
 

@@ -10,6 +10,7 @@ from ..constants import (
     BAND_VERTICES,
     BANDS,
     BATCH_VERTICES,
+    FILE_POINTS,
     FRAGMENTS,
     LAYER_ROOM,
     PART_BYTES,
@@ -124,7 +125,9 @@ def picture_bytes(plan: Plan, scene: Scene) -> int:
     if not any(shades_vertices(light) for light in scene.lights):
         if scene.image.resolver == "zbuffer":
             vertices = min(vertices, BATCH_VERTICES + vertices // max(strands, 1) * W)
-        elif strands * sizes.points > SORTED_POINTS:  # a batch, and a band, with what is beside it
+        elif strands * sizes.points > (
+            SORTED_POINTS if scene.emitter.groom is None else FILE_POINTS
+        ):  # a batch, and a band, with what is beside it
             vertices = min(vertices, BAND_VERTICES + 2 * max(BAND_VERTICES, vertices // BANDS))
     # in the world, how far along their strands they stand, which direction these have
     total = vertices * {"adaptive": 16, "thinned": 28}.get(scene.curves.mode, 12)

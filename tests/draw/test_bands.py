@@ -32,7 +32,7 @@ def test_a_picture_in_bands_is_the_same(curves: str, monkeypatch: pytest.MonkeyP
     scene = scene_of(SCENE % ("background: none" if "thinned" in curves else "haze: 9", curves))
     (whole,) = frames_of(scene, 2)
     cuts: list[list[tuple[int, int]]] = []
-    monkeypatch.setattr("strandcli.draw.strand_batches.SORTED_POINTS", 0)
+    monkeypatch.setattr("strandcli.draw.renderer.SORTED_POINTS", 0)
     for module in ("strandcli.draw.strand_batches", "strandcli.draw.bands"):
         monkeypatch.setattr(f"{module}.BAND_VERTICES", 150)
     cut = bands._cut
