@@ -28,7 +28,7 @@ SUFFIX = ".arrays"
 STATES = "first-frame"
 """Kind of the states in which frames 1 begin, which take seconds to come to: a pack has them too."""
 FOR_PACKS: set[str] = set()
-"""Names of the states that this process has found or computed."""
+"""Names of the states that this process has computed."""
 LARGEST = 128 << 20
 """Bytes of a file's arrays, so that a few files of this size do not drive out the rest."""
 SETTINGS = ("NPY_DISABLE_CPU_FEATURES", "NPY_ENABLE_CPU_FEATURES", "OPENBLAS_CORETYPE")

@@ -197,3 +197,12 @@ def test_nothing_of_it_is_there_where_it_is_not_listed() -> None:
     assert solver.grid is None
     assert len(solver.state.acceleration) == 1
     assert "density_max" not in solver.errors(1)
+
+
+def test_one_strand_of_an_emitter_a_thousand_kilometres_wide() -> None:
+    solver = rod_of(
+        "emitter: {shape: {kind: disc, radius: 1.0e+6}, strands: 1, particles: 5, length: 1000}\n"
+        "rules: [gravity, interaction: {}]"
+    )
+    solver.advance(3)
+    assert solver.errors(3)["nonfinite"] == 0

@@ -2,15 +2,16 @@
 
 from __future__ import annotations
 
+import re
 from typing import Any
 
 import numpy as np
 import pytest
 
 from reference.rules import depth
-from strand_kit import groom_of, moved, scene_of, solver_of
+from strand_kit import frames_of, groom_of, moved, scene_of, solver_of
 from strandcli.constants import W
-from strandcli.errors import UsageError
+from strandcli.errors import SimulationError, UsageError
 from strandcli.groom.blocks import unpack
 from strandcli.scene import Scene
 from strandcli.scene.motion import emitter_pose
@@ -191,3 +192,46 @@ def test_gusts_that_travel_are_refused_beside_another_wind(other: dict[str, Any]
             around("collision", *winds)
     still = {"wind": {"strength": 0.0, **other}}
     assert around("collision", travelling, still).gust(0.3, np.zeros((1, 3, 3 * W))) is not None
+
+
+DIVERGING = """
+emitter: {strands: 70, particles: 5}
+time: {fps: 10, frames: 40}
+image: {size: [16, 12]}
+rules: [gravity, stiffness: {strength: 5000, clamp: false}]
+"""
+
+
+def test_a_simulation_that_diverges_ends_in_an_error_and_not_in_a_picture() -> None:
+    frames = []
+    ends = None
+    for frame in range(1, 41):
+        try:
+            frames += frames_of(scene_of(DIVERGING), frame, draw=False)
+        except SimulationError as error:
+            ends = str(error)
+            break
+    assert 5 < len(frames) < 40
+    assert np.isfinite(frames[-1].positions).all()
+    assert frames[-1].report["error"]["nonfinite"] == 0
+    assert re.match(rf"frame {len(frames) + 1}: strand 0, particle \d is no longer finite", str(ends))
+    with pytest.raises(SimulationError, match=rf"^frame {len(frames) + 1}: strand \d+") as caught:
+        frames_of(scene_of(DIVERGING), 40)  # it stops where it went wrong, not where it is looked at
+    assert "under the rules " in str(caught.value)
+    assert "stiffness.clamp: true" in str(caught.value)
+    assert caught.value.exit_code == 1
+
+
+def test_roots_are_clamped_during_the_preroll() -> None:
+    scene = scene_of(TURNING.replace("preroll: 0.4", "preroll: 3") % "emitter_motion, gravity, elasticity")
+    assert np.abs(moved(scene, 1)[:, 0] - groom_of(scene).roots - [1, 2, 3]).max() < 1e-6
+    settled = moved(scene, 1)
+    assert settled[:, -1, 1].max() < groom_of(scene).roots[:, 1].max() + 2.05  # and gravity acts
+
+
+def test_steps_can_be_taken_in_any_portions() -> None:
+    scene = scene_of(TURNING.replace("fps: 10", "fps: 10, substeps: 3") % "emitter_motion, gravity, wind, elasticity")
+    by_one = solver_of(scene, plain=True)
+    for frame in range(1, 8):
+        by_one.advance(frame)
+    np.testing.assert_array_equal(by_one.particles(), moved(scene, 7))

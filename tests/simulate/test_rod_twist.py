@@ -18,8 +18,11 @@ from strandcli.jit import function
 from strandcli.simd import load, store, vector_pointer
 from strandcli.simd.turning import cosine_sine
 from strandcli.simulate.advice import warnings
+from strandcli.simulate.rod.kernels import rest_shape
 from strandcli.simulate.rod.solver import RodSolver
 from strandcli.study.references import spring, track_of
+
+LANES = VECTOR // 8
 
 
 @function
@@ -139,3 +142,51 @@ def test_curls_of_few_segments_a_turn_are_warned_of() -> None:
         assert line.startswith("rod.rest: shape: 16 of 16 strands have curls with as few as 2.1 segments")
         assert not told(64, "shape", angle)
     assert not told(26, "straight", 56)
+
+
+def test_strands_of_every_pack_are_moved() -> None:
+    solver = rod_of(
+        "emitter: {strands: 40, particles: 6, curl_angle: 30, curl_turns: 1, rotation: [90, 0, 0]}\nrules: [gravity]\n"
+    )
+    start = solver.particles().copy()
+    solver.advance(2)
+    assert np.abs(solver.particles() - start).max(axis=(1, 2)).min() > 1e-4
+
+
+LANES = VECTOR // 8
+
+
+@function
+def torques(given: Any, out: Any, count: int) -> None:
+    at, to = vector_pointer(given), vector_pointer(out)
+    for i in range(count):
+        x, y, v, w = load(at, i), load(at, count + i), load(at, 2 * count + i), load(at, 3 * count + i)
+        turn, stiff = rest_shape.torque(x, y, v, w)
+        store(to, i, turn)
+        store(to, count + i, stiff)
+
+
+def test_a_step_of_twist_lowers_the_energy_of_a_bend() -> None:
+    """And goes to the balance at once where it is near."""
+    draw, count = np.random.Generator(np.random.Philox(key=3)), 512 * LANES
+    given, out = aligned((4, count), np.float64), aligned((2, count), np.float64)
+    given[...] = draw.normal(size=given.shape)
+
+    def bent(angle: NDArray[np.float64]) -> NDArray[np.float64]:
+        x, y, v, w = given
+        c, d = np.cos(angle), np.sin(angle)
+        return 0.5 * ((c * x + d * y - v) ** 2 + (c * y - d * x - w) ** 2)
+
+    def step() -> NDArray[np.float64]:
+        torques(given.reshape(-1), out.reshape(-1), count // LANES)
+        return np.asarray(out[0] / out[1])
+
+    zero, first = np.zeros(count), step()
+    assert (bent(first) <= bent(zero) + 1e-12).all()
+    small = 1e-6
+    slope = (bent(zero + small) - bent(zero - small)) / (2 * small)
+    np.testing.assert_allclose(out[0], -slope, atol=1e-8)
+    given[:2] = given[2:]  # at rest, and then turned a little
+    c, d = math.cos(0.01), math.sin(0.01)
+    given[0], given[1] = c * given[2] - d * given[3], c * given[3] + d * given[2]
+    assert np.abs(step() - 0.01).max() < 1e-6

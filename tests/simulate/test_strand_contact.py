@@ -15,6 +15,7 @@ from strandcli.errors import UsageError
 from strandcli.groom.record import Groom
 from strandcli.scene import SceneError
 from strandcli.simulate.contact.kernels import contact_response
+from strandcli.simulate.contact.kernels.contact_pairs import Nearby
 from strandcli.simulate.rod.kernels.arrays import PACK
 
 Floats = NDArray[np.float64]
@@ -215,3 +216,21 @@ def test_thin_strands_that_fall_across_each_other_do_not_pass(
             rows[0, :, 1, 1] = -speed * np.linspace(0, 1, rows.shape[1])
         solver.advance(14 + int(30 / speed))
     assert sum(crossings(*one) for one in steps) == 0
+
+
+def test_pairs_are_those_whose_boxes_meet() -> None:
+    """Against all pairs, of segments that differ a hundredfold in size."""
+    rng = np.random.default_rng(1)
+    start = rng.normal(size=(30, 1, 3)) + np.cumsum(
+        rng.normal(size=(30, 8, 3)) * np.exp(rng.normal(size=(30, 1, 1)) - 2), 1
+    )
+    end = start + 0.1 * rng.normal(size=start.shape)
+    found = Nearby(7, 1).find(start, end, 0.1)
+    ends = np.stack([start[:, :-1], start[:, 1:], end[:, :-1], end[:, 1:]])
+    low, high = ends.min(0).reshape(-1, 3) - 0.05, ends.max(0).reshape(-1, 3) + 0.05
+    meet = ((low[:, None] <= high[None]) & (low[None] <= high[:, None])).all(2)
+    i, j = np.nonzero(np.triu(meet, 1))
+    keep = (i // 7 != j // 7) | (abs(i - j) > 1)
+    wanted = np.stack([i // 7, i % 7, j // 7, j % 7], 1)[keep]
+    np.testing.assert_array_equal(found, wanted)
+    assert len(found) > 300

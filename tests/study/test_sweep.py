@@ -251,3 +251,10 @@ def test_a_study_is_cached_by_what_it_follows_from_and_the_code(
     (tmp_path / "file").touch()
     monkeypatch.setattr(advice, "folder", lambda: tmp_path / "file" / "folder")
     assert advice.cached("motion", [1], lambda: {"a": 5}) == ({"a": 5}, False)
+
+
+def test_orders_of_a_synthetic_solver_are_found() -> None:
+    found = {(one["line"], one["in"]): one["order"] for one in made().orders if one["metric"] == "tip"}
+    assert found["one", "dt"] == pytest.approx(1)
+    assert found["two", "dt"] == pytest.approx(2)
+    assert found["two", "segment"] == pytest.approx(2)

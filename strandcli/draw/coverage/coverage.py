@@ -7,6 +7,7 @@ at visible vertices; then the fragments are blended with the picture.
 
 from __future__ import annotations
 
+import functools
 import math
 from collections.abc import Iterator
 from dataclasses import dataclass
@@ -55,16 +56,17 @@ class Picture:
 
 def windows_of(edges: Edges | None, size: tuple[int, int]) -> PictureWindows:
     """Return the windows of a picture, behind which its solids hide strands; size: of the picture, samples."""
+    least_of = functools.partial(functools.reduce, np.minimum)
     across, down = (-(-samples // BLOCK) for samples in size)
     if edges is None or across * down >= MOST:
         return NO_WINDOWS
     padded = np.full((down * BLOCK, across * BLOCK), np.inf, np.float32)
     padded[: size[1], : size[0]] = edges.hides.reshape(size[::-1])
     blocks = np.full((down + SPAN - 1, across + SPAN - 1), np.inf, np.float32)
-    rows = np.minimum.reduce([padded[j::BLOCK] for j in range(BLOCK)])
-    blocks[:down, :across] = np.minimum.reduce([rows[:, i::BLOCK] for i in range(BLOCK)])
-    rows = np.minimum.reduce([blocks[j : j + down] for j in range(SPAN)])
-    least = np.minimum.reduce([rows[:, i : i + across] for i in range(SPAN)]) * SAFE
+    rows = least_of([padded[j::BLOCK] for j in range(BLOCK)])
+    blocks[:down, :across] = least_of([rows[:, i::BLOCK] for i in range(BLOCK)])
+    rows = least_of([blocks[j : j + down] for j in range(SPAN)])
+    least = least_of([rows[:, i : i + across] for i in range(SPAN)]) * SAFE
     return PictureWindows(np.append(least, np.float32(0)), across, down)
 
 
