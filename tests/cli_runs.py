@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import json
 import os
 import signal
 import subprocess
@@ -53,6 +54,25 @@ class Runner:
         code = main([str(argument) for argument in arguments])
         out, err = self.capsys.readouterr()
         return Result(code, out, told(err))
+
+    def fine(self, *arguments: object) -> Result:
+        """Call it; fails where it does not end well."""
+        result = self(*arguments)
+        assert result.code == 0, result.err
+        return result
+
+    def refused(self, *arguments: object, code: int = 2) -> str:
+        """The single line of an error with which a call ends; fails where it ends with another code."""
+        result = self(*arguments)
+        assert result.code == code, result.err
+        return result.error()
+
+
+def report(folder: str) -> dict[str, Any]:
+    """The report of a run in a folder."""
+    data = json.loads(Path(folder, "report.json").read_text())
+    assert isinstance(data, dict)
+    return data
 
 
 def told(err: str) -> str:

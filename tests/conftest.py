@@ -37,6 +37,7 @@ def run(tmp_path: Path, monkeypatch: pytest.MonkeyPatch, capsys: pytest.CaptureF
     """The command line, in a folder of its own with a small preset."""
     (tmp_path / "tiny.yaml").write_text(TINY, encoding="utf-8")
     monkeypatch.chdir(tmp_path)
+    monkeypatch.delenv("STRANDCLI_DEBUG", raising=False)
     return Runner(tmp_path, capsys)
 
 

@@ -30,13 +30,11 @@ def groom(tmp_path_factory: pytest.TempPathFactory) -> Path:
 
 def test_a_film_has_the_views_of_a_data_set(groom: Path, tmp_path: Path, run: Runner) -> None:
     made = tmp_path / "set"
-    result = run(
+    run.fine(
         "dataset", groom, "--layout", "nerfstudio", "--views", 3, "--light", "scene", "--colour", "scene", "--size",
         "40x32", "-o", made, *SMALL,
     )  # fmt: skip
-    assert result.code == 0, result.err
-    result = run("render", groom, "--cameras", made / "transforms.json", "-o", tmp_path / "film", *SMALL)
-    assert result.code == 0, result.err
+    run.fine("render", groom, "--cameras", made / "transforms.json", "-o", tmp_path / "film", *SMALL)
     for number in range(3):
         a, b = (
             np.array(Image.open(path)).astype(int)
@@ -54,8 +52,7 @@ def test_cameras_of_others_see_strands_where_their_file_has_them(groom: Path, tm
     for name, data in colmap.written([view], np.zeros((1, 3))).items():
         (tmp_path / name).write_bytes(data.replace(b"(strandcli)", b""))
     assert not views_of(tmp_path).own
-    result = run("render", groom, "--cameras", tmp_path, "-o", tmp_path / "o", "--aov", "mask", *SMALL)
-    assert result.code == 0, result.err
+    run.fine("render", groom, "--cameras", tmp_path, "-o", tmp_path / "o", "--aov", "mask", *SMALL)
     mask = np.load(tmp_path / "o" / "mask_0001.npz")["mask"]
     strands = groom_file_kit.hanging([12] * 40)
     places = view.project(np.concatenate(strands) + np.array([7, 0, 3]))
@@ -92,18 +89,15 @@ def test_a_preset_names_a_file_of_cameras(tmp_path: Path) -> None:
         strandcli.load(str(tmp_path / "two.yaml"))
 
 
-def test_sizes_that_disagree_are_refused(groom: Path, tmp_path: Path, capsys: pytest.CaptureFixture[str]) -> None:
+def test_sizes_that_disagree_are_refused(groom: Path, tmp_path: Path, run: Runner) -> None:
     kit.run(kit.order(groom, tmp_path / "set", "nerfstudio", range(2)))
     path = tmp_path / "set" / "transforms.json"
-    result = Runner(tmp_path, capsys)("render", groom, "--cameras", path, "--size", "32x32", "-o", tmp_path / "o")
-    assert result.code == 2
-    assert "leave out --size" in result.error()
+    command = ("render", groom, "--cameras", path, "-o", tmp_path / "o")
+    assert "leave out --size" in run.refused(*command, "--size", "32x32")
     data = json.loads(path.read_text())
     data["frames"][0]["w"] = 60
     path.write_text(json.dumps(data))
-    result = Runner(tmp_path, capsys)("render", groom, "--cameras", path, "-o", tmp_path / "o")
-    assert result.code == 2
-    assert "of several sizes" in result.error()
+    assert "of several sizes" in run.refused(*command)
 
 
 def test_light_comes_from_above_whatever_is_up_in_the_cameras_world(groom: Path, tmp_path: Path, run: Runner) -> None:
@@ -127,11 +121,9 @@ def test_light_comes_from_above_whatever_is_up_in_the_cameras_world(groom: Path,
         for file, data in colmap.written(moved, np.zeros((1, 3))).items():
             (folder / file).write_bytes(data.replace(b"(strandcli)", b""))
         assert above(views_of(folder).views) == pytest.approx(how @ UP)
-        result = run("render", path, "--cameras", folder, "-o", folder / "film", *SMALL)
-        assert result.code == 0, result.err
+        run.fine("render", path, "--cameras", folder, "-o", folder / "film", *SMALL)
         more = ("--light", "set", "--colour", "scene", "--layout", "neuralhaircut")
-        result = run("dataset", path, "--cameras", folder, "-o", folder / "set", *more, *SMALL)
-        assert result.code == 0, result.err
+        run.fine("dataset", path, "--cameras", folder, "-o", folder / "set", *more, *SMALL)
         found = [folder / "film" / "frame_0001.png", folder / "film" / "frame_0002.png", folder / "set/image/0001.png"]
         pictures[name] = np.array([np.array(Image.open(one)) for one in found]).astype(int)
     off = np.abs(pictures["plain"] - pictures["turned"]).mean(axis=(1, 2, 3))

@@ -27,8 +27,7 @@ def test_an_exported_preset_has_its_camera(tmp_path: Path, run: Runner) -> None:
     )
     (tmp_path / "one.yaml").write_text(text)
     for name in ("out.usda", "out.usdc"):
-        result = run("export", tmp_path / "one.yaml", tmp_path / name, "--no-progress")
-        assert result.code == 0, result.err
+        run.fine("export", tmp_path / "one.yaml", tmp_path / name, "--no-progress")
         found = views_of(tmp_path / name)
         wanted = views_at(strandcli.load(str(tmp_path / "one.yaml")), [1, 2, 3])
         assert found.own
@@ -37,8 +36,7 @@ def test_an_exported_preset_has_its_camera(tmp_path: Path, run: Runner) -> None:
             assert np.abs(before.project(POINTS) - after.project(POINTS)).max() < 1e-6
             assert after.near == pytest.approx(0.25)
     assert math.isclose(wanted[2].focal, 15 / math.tan(math.radians(10)))
-    result = run("render", tmp_path / "one.yaml", "--cameras", tmp_path / "out.usda", "-o", tmp_path / "f", *SMALL[2:])
-    assert result.code == 0, result.err
+    run.fine("render", tmp_path / "one.yaml", "--cameras", tmp_path / "out.usda", "-o", tmp_path / "f", *SMALL[2:])
     assert "--camera: names" in run("render", "hair", "--camera", "a").err
 
 
@@ -46,8 +44,7 @@ def test_a_data_set_has_cameras_of_usd(tmp_path: Path, run: Runner) -> None:
     groom = groom_file_kit.write(tmp_path / "some.data", groom_file_kit.hanging([12] * 40))
     made = tmp_path / "set"
     for layout, size in (("nerfstudio", ("--size", "40x32")), ("hairstep", ("--size", "32x32"))):
-        result = run("dataset", groom, "--layout", layout, "--views", 2, *size, "-o", made / layout, *SMALL)
-        assert result.code == 0, result.err
+        run.fine("dataset", groom, "--layout", layout, "--views", 2, *size, "-o", made / layout, *SMALL)
         found = views_of(made / layout / "cameras.usda")
         wanted = views_of(made / layout / "dataset.json")
         assert found.own
@@ -56,8 +53,7 @@ def test_a_data_set_has_cameras_of_usd(tmp_path: Path, run: Runner) -> None:
             assert np.abs(before.project(POINTS) - after.project(POINTS)).max() < 1e-6
     again = tmp_path / "again"
     cameras = made / "nerfstudio" / "cameras.usda"
-    result = run("dataset", groom, "--layout", "nerfstudio", "--cameras", cameras, "-o", again, *SMALL)
-    assert result.code == 0, result.err
+    run.fine("dataset", groom, "--layout", "nerfstudio", "--cameras", cameras, "-o", again, *SMALL)
     first, second = (
         np.array([one["camera"]["eye"] for one in kit.manifest(part)["views"]]) for part in (made / "nerfstudio", again)
     )
@@ -81,8 +77,7 @@ def test_strands_and_cameras_of_a_stage_stand_as_there(suffix: str, tmp_path: Pa
     body += f"double3 xformOp:translate = {tuple(eye.tolist())}\nfloat xformOp:rotateX = 90\n"
     body += 'uniform token[] xformOpOrder = ["xformOp:translate", "xformOp:rotateX"]'
     path = write(tmp_path / "c.usda", stage(camera(body=body), 'metersPerUnit = 0.01\nupAxis = "Z"'))
-    result = run("render", groom, "--cameras", path, "--size", "64x64", "-o", tmp_path / "o", "--aov", "mask", *SMALL)
-    assert result.code == 0, result.err
+    run.fine("render", groom, "--cameras", path, "--size", "64x64", "-o", tmp_path / "o", "--aov", "mask", *SMALL)
     mask = np.load(tmp_path / "o" / "mask_0001.npz")["mask"]
     rows, columns = np.nonzero(mask > 0.02)
     seen = seen_by_pixar(path, "/cam", places, (64, 64))

@@ -59,6 +59,4 @@ def test_the_table_has_a_row_a_stage(run: Runner) -> None:
 def test_contradictions_and_what_is_not_there_are_refused_in_a_line(
     run: Runner, arguments: list[str], words: str
 ) -> None:
-    refused = run("bench", *arguments)
-    assert refused.code == 2
-    assert words in refused.error()
+    assert words in run.refused("bench", *arguments)

@@ -20,16 +20,14 @@ SMALL = ("--size", "16x16", "--quality", "draft", "-q", "--no-html")
 
 
 @pytest.fixture
-def run(tmp_path: Path, monkeypatch: pytest.MonkeyPatch, capsys: pytest.CaptureFixture[str]) -> Runner:
-    (tmp_path / "tiny.yaml").write_text(TINY, encoding="utf-8")
-    hair("a.hair", tmp_path)
-    monkeypatch.chdir(tmp_path)
-    return Runner(tmp_path, capsys)
+def run(run: Runner) -> Runner:
+    hair("a.hair")
+    return run
 
 
-def hair(name: str, folder: Path = Path(), shift: float = 0.0) -> None:
+def hair(name: str, shift: float = 0.0) -> None:
     points = np.array([[k / 9 + shift, y / 9, 0] for k in range(4) for y in range(3)], np.float32)
-    write(folder / name, Strands(np.arange(0, 13, 3), points))
+    write(Path(name), Strands(np.arange(0, 13, 3), points))
 
 
 def meanwhile(monkeypatch: pytest.MonkeyPatch, act: Callable[[], object]) -> None:
@@ -53,8 +51,7 @@ def warnings(folder: str) -> list[str]:
 
 def test_an_input_that_changes_is_told_in_one_line(run: Runner, monkeypatch: pytest.MonkeyPatch) -> None:
     meanwhile(monkeypatch, lambda: hair("a.hair", shift=0.1))
-    found = run("render", "a.hair", "-o", "out", *SMALL[:4], "--no-html")
-    assert found.code == 0
+    found = run.fine("render", "a.hair", "-o", "out", *SMALL[:4], "--no-html")
     assert warnings("out") == [f"{run.folder}/a.hair: {WORDS}, so results may be of either; run again to have the new"]
     assert found.err.count(f"warning: {run.folder}/a.hair: {WORDS}") == 1
 

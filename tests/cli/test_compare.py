@@ -60,9 +60,7 @@ def test_sheet_gathers_folders_and_does_not_overwrite_unasked(run: Runner) -> No
     for folder in ("figs/fig02", "figs/fig03"):
         os.makedirs(folder)
         picture(f"{folder}/frame_0001.png")
-    result = run("sheet", "figs", "-o", "sheet.png", "--columns", "2")
-    assert result.code == 0
-    assert "2 images" in result.err
+    assert "2 images" in run.fine("sheet", "figs", "-o", "sheet.png", "--columns", "2").err
     assert png.read(Path("sheet.png")).shape[1] == 8 + 2 * 38
     assert run("sheet", "figs", "-o", "sheet.png").code == 2
     assert run("sheet", "figs", "-o", "sheet.png", "--overwrite", "-q").err == ""
@@ -99,12 +97,10 @@ def test_golden_images_catch_a_pixel_and_a_parameter(run: Runner, monkeypatch: p
     missing = run("golden", "check", "g", "-o", "d")
     assert missing.code == 3
     assert "MISMATCH tiny: tiny.png is missing" in missing.err
-    update = run("golden", "update", "g")
-    assert update.code == 0
+    update = run.fine("golden", "update", "g")
     assert update.err.splitlines() == ["tiny: new", "b: new", "g: 2 of 2 golden images changed"]
     assert png.read(Path("g/tiny.png")).shape == (30, 40, 3)
-    check = run("golden", "check", "g", "-o", "d")
-    assert check.code == 0
+    check = run.fine("golden", "check", "g", "-o", "d")
     assert check.err.splitlines() == ["ok       tiny: exact", "ok       b: exact"]
     assert not Path("d").exists()
 

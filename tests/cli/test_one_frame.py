@@ -9,15 +9,12 @@ from pathlib import Path
 import pytest
 from PIL import Image
 
-from cli_runs import TINY, Runner
+from cli_runs import Runner
 from strandcli.output import png
 
 
 @pytest.fixture
-def run(tmp_path: Path, monkeypatch: pytest.MonkeyPatch, capsys: pytest.CaptureFixture[str]) -> Runner:
-    (tmp_path / "tiny.yaml").write_text(TINY)
-    monkeypatch.chdir(tmp_path)
-    run = Runner(tmp_path, capsys)
+def run(run: Runner) -> Runner:
     assert run("render", "tiny.yaml", "-o", "a", "-f", "1-4", "--animate", "gif").code == 0
     return run
 
@@ -40,8 +37,7 @@ def test_one_frame_into_a_finished_shot_leaves_the_rest_whole(run: Runner, optio
     if option == ["--resume"]:
         Path("a/frame_0003.png").unlink()
     Path("a/animation.gif").write_bytes(b"GIF of a damaged frame")
-    done = run("render", "tiny.yaml", "-o", "a", "-f", "3", *option)
-    assert done.code == 0
+    done = run.fine("render", "tiny.yaml", "-o", "a", "-f", "3", *option)
     assert "1 frame in" in done.err
     assert "; animation.gif; " in done.err
     assert {path.name: path.read_bytes() for path in Path("a").glob("frame_*.png")} == before

@@ -8,7 +8,7 @@ from pathlib import Path
 import numpy as np
 import pytest
 
-from cli_runs import TINY, Runner
+from cli_runs import Runner
 from strandcli.output import png
 
 LOOP = """
@@ -22,17 +22,13 @@ MOTION = "which moves strands otherwise; simulate it anew"
 
 
 @pytest.fixture
-def run(tmp_path: Path, monkeypatch: pytest.MonkeyPatch, capsys: pytest.CaptureFixture[str]) -> Runner:
-    (tmp_path / "tiny.yaml").write_text(TINY, encoding="utf-8")
-    (tmp_path / "loop.yaml").write_text(LOOP, encoding="utf-8")
-    monkeypatch.chdir(tmp_path)
-    return Runner(tmp_path, capsys)
+def run(run: Runner) -> Runner:
+    Path("loop.yaml").write_text(LOOP, encoding="utf-8")
+    return run
 
 
 def fine(run: Runner, words: str) -> str:
-    result = run(*words.split(), "--no-html")
-    assert result.code == 0, result.err
-    return result.err
+    return run.fine(*words.split(), "--no-html").err
 
 
 def simulated(run: Runner, words: str) -> None:
@@ -67,9 +63,7 @@ def test_positions_of_another_motion_are_not_drawn(run: Runner) -> None:
         "time.substeps=2": "time.substeps", "solids=[{kind: sphere}]": "solids", "gravity.acceleration=[0,0,1]":
         "gravity.acceleration",
     }.items():  # fmt: skip
-        result = run(*draw.split(), "-o", "b", "--set", other)
-        assert result.code == 2
-        assert f"a: was simulated with another {key}, {MOTION}" in result.error()
+        assert f"a: was simulated with another {key}, {MOTION}" in run.refused(*draw.split(), "-o", "b", "--set", other)
     fine(run, f"{draw} -o c")
     fine(run, "render tiny.yaml -f 1-2 -q -o c --resume")  # the same frames, simulated
     for other in ("camera.position=[0,1,9]", "lights=[]", "material.colour=[.5,.1,.1]", "time.frames=99"):

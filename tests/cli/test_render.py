@@ -5,14 +5,13 @@ from __future__ import annotations
 import json
 import os
 from pathlib import Path
-from typing import Any
 
 import numpy as np
 import pytest
 from PIL import Image
 
 import strandcli
-from cli_runs import TINY, Runner, child
+from cli_runs import TINY, Runner, child, report
 from strandcli.output import frames, png
 from strandcli.run import pipeline
 
@@ -21,12 +20,6 @@ PANELS = TINY + "panels:\n  - {label: one}\n  - {label: two, set: {image.size: [
 
 def names(folder: str) -> list[str]:
     return sorted(os.listdir(folder))
-
-
-def report(folder: str) -> dict[str, Any]:
-    data = json.loads(Path(folder, "report.json").read_text())
-    assert isinstance(data, dict)
-    return data
 
 
 def hashes(folder: str) -> dict[int, str]:
@@ -50,8 +43,7 @@ def test_a_bare_name_is_a_file_here_and_a_shipped_name_that_hides_one_says_so(ru
     assert run("render", "tiny", "-f", "1", "-q").code == 0
     assert names("out/tiny") == ["frame_0001.png", "report.html", "report.json"]
     Path("minimal.yaml").write_text(TINY)
-    told = run("plan", "minimal")
-    assert told.code == 0
+    told = run.fine("plan", "minimal")
     assert told.error() == "minimal: takes the shipped preset of this name; write minimal.yaml for yours"
     assert "150 strands" in run("plan", "minimal.yaml").out
 
@@ -83,8 +75,7 @@ def test_frames_and_report_are_what_the_design_page_says(run: Runner) -> None:
 
 
 def test_json_is_alone_on_stdout_and_the_same_as_the_file(run: Runner) -> None:
-    result = run("render", "tiny.yaml", "-f", "2", "-o", "a", "--json")
-    assert json.loads(result.out) == report("a")
+    assert json.loads(run("render", "tiny.yaml", "-f", "2", "-o", "a", "--json").out) == report("a")
     assert run("render", "tiny.yaml", "-f", "2", "-o", "b", "-q").err == ""
     assert "frame 2: " in run("render", "tiny.yaml", "-f", "2", "-o", "c", "-v").err
 
@@ -100,13 +91,10 @@ def test_the_common_options_change_the_scene(run: Runner) -> None:
 def test_existing_frames_resume_and_overwrite(run: Runner) -> None:
     run("render", "tiny.yaml", "-o", "a", "-f", "1-3")
     first = report("a")
-    refused = run("render", "tiny.yaml", "-o", "a", "-f", "2-4")
-    assert refused.code == 2
-    assert "frame_0002.png, frame_0003.png" in refused.error()
+    assert "frame_0002.png, frame_0003.png" in run.refused("render", "tiny.yaml", "-o", "a", "-f", "2-4")
     Path("a/frame_0002.png").write_bytes(b"half")
     stamp = Path("a/frame_0001.png").stat().st_mtime_ns
-    result = run("render", "tiny.yaml", "-o", "a", "-f", "1-4", "--resume")
-    assert result.code == 0
+    result = run.fine("render", "tiny.yaml", "-o", "a", "-f", "1-4", "--resume")
     assert "2 frames" in result.err
     assert "2 kept" in result.err
     assert Path("a/frame_0001.png").stat().st_mtime_ns == stamp
@@ -115,9 +103,8 @@ def test_existing_frames_resume_and_overwrite(run: Runner) -> None:
     assert [entry.get("kept", False) for entry in second["frames"]] == [True, False, True, False]
     assert second["frames"][0] == {**first["frames"][0], "kept": True}
     assert second["frames"][1]["pixels_sha256"] == first["frames"][1]["pixels_sha256"]
-    other = run("render", "tiny.yaml", "-o", "a", "-f", "1-4", "--resume", "--seed", "9")
-    assert other.code == 2
-    assert "was made from another scene" in other.error()
+    other = run.refused("render", "tiny.yaml", "-o", "a", "-f", "1-4", "--resume", "--seed", "9")
+    assert "was made from another scene" in other
     assert run("render", "tiny.yaml", "-o", "a", "-f", "1-4", "--overwrite", "--seed", "9").code == 0
     assert hashes("a")[1] != first["frames"][0]["pixels_sha256"]
 
@@ -128,9 +115,8 @@ def test_what_somebody_else_wrote_is_not_replaced_unasked(run: Runner, command: 
     Path("a").mkdir()
     Path("a", name).write_text(text)
     for more in ([], ["--resume"]):
-        refused = run(command, "tiny.yaml", "-f", "1", "-o", "a", *more)
-        assert refused.code == 2
-        assert f"a/{name}: was not written by strandcli; add --overwrite" in refused.error()
+        refused = run.refused(command, "tiny.yaml", "-f", "1", "-o", "a", *more)
+        assert f"a/{name}: was not written by strandcli; add --overwrite" in refused
         assert Path("a", name).read_text() == text
     assert names("a") == [name]
     assert run(command, "tiny.yaml", "-f", "1", "-o", "a", "--overwrite").code == 0
@@ -161,8 +147,7 @@ def test_runs_of_one_scene_report_all_its_frames_in_the_folder(run: Runner) -> N
 def test_frames_of_two_scenes_in_one_folder_are_told(run: Runner) -> None:
     assert run("render", "tiny.yaml", "-o", "a", "-f", "1-2").code == 0
     assert "warning" not in run("render", "tiny.yaml", "-o", "a", "-f", "3").err
-    other = run("render", "tiny.yaml", "--seed", "7", "-o", "a", "-f", "3-4", "--overwrite")
-    assert other.code == 0
+    other = run.fine("render", "tiny.yaml", "--seed", "7", "-o", "a", "-f", "3-4", "--overwrite")
     (warning,) = (line for line in other.err.splitlines() if "warning" in line)
     assert "a: 2 frames there of another scene or other settings, such as frame_0001.png" in warning
     assert report("a")["warnings"] == [warning.partition("warning: ")[2]]
@@ -217,9 +202,8 @@ def test_positions_are_kept_and_drawn_again_to_the_same_pixels(run: Runner) -> N
     assert [frame["frame"] for frame in report("all")["frames"]] == [1, 2, 3, 4]
     assert run("render", "tiny.yaml", "-o", "m", "--from-cache", "p", "--set", "time.frames=3").code == 0
     assert [frame["frame"] for frame in report("m")["frames"]] == [1, 2, 3]
-    lost = run("render", "tiny.yaml", "-o", "c", "-f", "3-6", "--from-cache", "p")
-    assert lost.code == 2
-    assert "no positions for frames 5, 6" in lost.error()
+    lost = run.refused("render", "tiny.yaml", "-o", "c", "-f", "3-6", "--from-cache", "p")
+    assert "no positions for frames 5, 6" in lost
     assert not Path("c").exists()
     other = run("render", "tiny.yaml", "-o", "c", "-f", "3", "--from-cache", "p", "--strands", "99")
     assert "shape (150, 5, 3), but the scene has 99 strands of 5 particles; give the preset" in other.error()

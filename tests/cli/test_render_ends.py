@@ -19,11 +19,11 @@ from typing import Any
 import pytest
 from PIL import Image
 
-from cli_runs import Runner, child, environment, listen
+from cli_runs import Runner, child, environment, listen, report
 from strandcli.errors import RefusedError, SimulationError
 from strandcli.output import frames, png
 from strandcli.run import pipeline
-from tests.cli.test_render import names, report
+from tests.cli.test_render import names
 
 
 @pytest.mark.parametrize(("number", "code"), [(signal.SIGINT, 130), (signal.SIGTERM, 143)])
@@ -55,9 +55,7 @@ def test_an_output_that_is_a_file_is_refused_before_anything_runs(run: Runner, m
     monkeypatch.setattr(pipeline, "render", lambda *arguments, **options: pytest.fail("rendered"))
     Path("a").write_text("mine")
     for command in ("render", "simulate"):
-        result = run(command, "tiny.yaml", "-o", "a")
-        assert result.code == 4
-        assert "a: is a file, not a folder" in result.error()
+        assert "a: is a file, not a folder" in run.refused(command, "tiny.yaml", "-o", "a", code=4)
         assert run(command, "tiny.yaml", "-o", "a/b").code == 4
     assert Path("a").read_text() == "mine"
 

@@ -27,8 +27,9 @@ def table(path: str) -> list[dict[str, str]]:
 
 
 def test_each_combination_has_a_folder_with_the_pixels_of_a_plain_run(run: Runner) -> None:
-    done = run("render", "tiny.yaml", "-f", "1-2", "-o", "s", "--sweep", "wind.strength=1,4", "--sweep", "seed=1-2")
-    assert done.code == 0, done.err
+    done = run.fine(
+        "render", "tiny.yaml", "-f", "1-2", "-o", "s", "--sweep", "wind.strength=1,4", "--sweep", "seed=1-2"
+    )
     assert done.err.splitlines()[-1] == "s: 4 runs; sweep.csv, sweep.png, report.html"
     rows = table("s/sweep.csv")
     assert [(row["wind.strength"], row["seed"]) for row in rows] == list(itertools.product("14", "12"))
@@ -66,9 +67,7 @@ def test_a_sweep_goes_on_where_it_was_ended(run: Runner, monkeypatch: pytest.Mon
     monkeypatch.setattr(pipeline, "render", render)
     before = {path: path.stat().st_mtime_ns for path in Path("s").rglob("frame_*.png")}
     assert run(*sweep).code == 2
-    again = run(*sweep, "--resume", "--json")
-    assert again.code == 0
-    data = json.loads(again.out)
+    data = json.loads(run.fine(*sweep, "--resume", "--json").out)
     assert [one["status"] for one in data["points"]] == ["complete"] * 3
     assert {path: path.stat().st_mtime_ns for path in before} == before
     assert len(list(Path("s").rglob("frame_*.png"))) == 6
@@ -98,9 +97,7 @@ def test_a_point_that_goes_wrong_is_told_and_the_others_go_on(run: Runner, monke
 ])  # fmt: skip
 def test_what_is_no_sweep_is_told_before_anything_is_drawn(run: Runner, arguments: list[str], words: str) -> None:
     options = itertools.chain.from_iterable(("--sweep", one) for one in arguments)
-    done = run("render", "tiny.yaml", "-f", "1", "-o", "s", *options)
-    assert done.code == 2
-    assert words in done.error()
+    assert words in run.refused("render", "tiny.yaml", "-f", "1", "-o", "s", *options)
     assert not Path("s").exists()
 
 

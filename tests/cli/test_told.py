@@ -20,8 +20,7 @@ def test_panels_share_their_warnings(run: Runner) -> None:
     loop, thin = run("plan", "two.yaml").err.splitlines()
     assert loop.startswith("warning: one, two: emitter: time.loop repeats")
     assert thin.startswith("warning: one, two: strands 0.3 mm wide")
-    done = run("render", "two.yaml", "-f", "1-2", "-o", "a")
-    *warnings, last = done.err.splitlines()
+    *warnings, last = run("render", "two.yaml", "-f", "1-2", "-o", "a").err.splitlines()
     assert last.startswith("a: 2 frames")
     assert warnings == [thin, loop.replace("one, two", "one")]
     kept = json.loads(Path("a/report.json").read_text())["warnings"]

@@ -51,9 +51,7 @@ def test_a_copy_of_a_preset_draws_with_the_meshes_that_it_names(run: Runner) -> 
     assert strandcli.load("mine.yaml").title == strandcli.load("hair").title
     assert run("presets", "copy", "hair", "again.yaml", "-q").code == 0, "the same mesh is there already"
     Path("meshes/head.ply").write_text("mine")
-    refused = run("presets", "copy", "hair", "other.yaml")
-    assert refused.code == 2
-    assert "meshes/head.ply: is there already" in refused.error()
+    assert "meshes/head.ply: is there already" in run.refused("presets", "copy", "hair", "other.yaml")
     assert not Path("other.yaml").exists()
 
 
@@ -195,8 +193,7 @@ def test_nothing_of_a_preset_or_a_name_reaches_the_terminal_as_a_control(run: Ru
 
 def test_thin_strands_as_lines_of_a_pixel_are_warned_of(run: Runner) -> None:
     Path("thin.yaml").write_text(TINY + "material: {width: 0.0003}\n")
-    told = run("plan", "thin.yaml")
-    assert told.code == 0
+    told = run.fine("plan", "thin.yaml")
     assert told.error().startswith("warning: strands 0.3 mm wide are 0.004 pixels wide here")
     assert json.loads(run("plan", "thin.yaml", "--json").out)["warnings"] == [told.error().removeprefix("warning: ")]
     for fine in (["--quality", "default"], ["--set", "look=source"], ["--set", "material.width=0.3"],

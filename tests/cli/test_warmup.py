@@ -27,9 +27,7 @@ def test_after_warmup_a_run_compiles_nothing(run: Runner, monkeypatch: pytest.Mo
         return render(scene, frames, **options)
 
     monkeypatch.setattr(pipeline, "render", spy)
-    result = run("warmup", "tiny.yaml", "--json")
-    assert result.code == 0
-    data = json.loads(result.out)
+    data = json.loads(run.fine("warmup", "tiny.yaml", "--json").out)
     assert data["presets"] == ["tiny.yaml"]
     assert Path(data["cache"]).is_dir()
     assert drawn == [("tiny.yaml", frames, (64, 48)) for frames in ((1, 2), (1,))]

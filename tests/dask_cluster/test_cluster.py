@@ -65,40 +65,34 @@ def hashes(folder: Path) -> dict[str, str]:
 
 def test_workers_of_this_machine_draw_the_same_pixels(run: Runner) -> None:
     assert run("render", "tiny.yaml", "-o", "plain", "--threads", 1).code == 0
-    done = run("render", "tiny.yaml", "-o", "spread", "--dask", "local", "--threads", 2)
-    assert done.code == 0, done.err
+    done = run.fine("render", "tiny.yaml", "-o", "spread", "--dask", "local", "--threads", 2)
     assert "12 frames in" in done.error()
     assert hashes(run.folder / "spread") == hashes(run.folder / "plain")
     assert len(hashes(run.folder / "plain")) == 12
     assert run("simulate", "tiny.yaml", "-o", "positions", "-q").code == 0
-    cached = run("render", "tiny.yaml", "-o", "cached", "--from-cache", "positions", "--dask", "local", "--threads", 1)
-    assert cached.code == 0, cached.err
+    run.fine("render", "tiny.yaml", "-o", "cached", "--from-cache", "positions", "--dask", "local", "--threads", 1)
     assert hashes(run.folder / "cached") == hashes(run.folder / "plain")
 
 
 def test_a_scheduler_elsewhere(run: Runner, scheduler: str, monkeypatch: pytest.MonkeyPatch) -> None:
-    done = run("render", "tiny.yaml", "-f", "1-3", "-o", "spread", "--dask", scheduler)
-    assert done.code == 0, done.err
+    run.fine("render", "tiny.yaml", "-f", "1-3", "-o", "spread", "--dask", scheduler)
     assert run("render", "tiny.yaml", "-f", "1-3", "-o", "plain", "--threads", 1).code == 0
     assert hashes(run.folder / "spread") == hashes(run.folder / "plain")
     mine = cluster.facts()
     monkeypatch.setattr(cluster, "facts", lambda: {**mine, "numba": "0.1"})
-    warned = run("render", "tiny.yaml", "-f", "1", "-o", "warned", "--dask", scheduler)
-    assert warned.code == 0
+    warned = run.fine("render", "tiny.yaml", "-f", "1", "-o", "warned", "--dask", scheduler)
     assert f"has numba {mine['numba']}, and this machine 0.1; last bits of pixels may differ" in warned.err
     monkeypatch.setattr(cluster, "facts", lambda: {**mine, "strandcli": "0.0.1"})
-    refused = run("render", "tiny.yaml", "-f", "1", "-o", "refused", "--dask", scheduler)
-    assert refused.code == 2
-    assert "has strandcli" in refused.error()
-    assert "install the same version everywhere" in refused.error()
+    refused = run.refused("render", "tiny.yaml", "-f", "1", "-o", "refused", "--dask", scheduler)
+    assert "has strandcli" in refused
+    assert "install the same version everywhere" in refused
 
 
 @pytest.mark.parametrize("address", ["tcp://127.0.0.1:9", "nonsense", "nowhere://x"])
 def test_an_address_where_nobody_answers(address: str, run: Runner, monkeypatch: pytest.MonkeyPatch) -> None:
     monkeypatch.setattr(cluster, "PATIENCE", 1.0)
-    done = run("render", "tiny.yaml", "-f", "1", "--dask", address)
-    assert done.code == 2, done.err
-    assert f"--dask {address}: no scheduler answers there" in done.error()
+    done = run.refused("render", "tiny.yaml", "-f", "1", "--dask", address)
+    assert f"--dask {address}: no scheduler answers there" in done
 
 
 def pieces(client: Any) -> tuple[Job, Iterator[Task], list[int]]:

@@ -24,9 +24,7 @@ BLURRED = TINY + "camera: {shutter: 0.5, samples: 2}\n"
 
 def test_a_missing_package_is_told_with_what_brings_it(run: Runner, monkeypatch: pytest.MonkeyPatch) -> None:
     monkeypatch.setitem(sys.modules, "distributed", None)
-    done = run("render", "tiny.yaml", "--dask", "local")
-    assert done.code == 2
-    assert done.error().endswith(" 'distributed>=2024.1'")
+    assert run.refused("render", "tiny.yaml", "--dask", "local").endswith(" 'distributed>=2024.1'")
     assert not (run.folder / "out").exists()
 
 
@@ -38,9 +36,7 @@ def test_a_missing_package_is_told_with_what_brings_it(run: Runner, monkeypatch:
     ],
 )
 def test_what_goes_not_with_it_is_refused(preset: str, more: tuple[str, ...], words: str, run: Runner) -> None:
-    done = run("render", preset, "--dask", "local", *more)
-    assert done.code == 2
-    assert words in done.error()
+    assert words in run.refused("render", preset, "--dask", "local", *more)
     assert run("render", "tiny.yaml", "--dask", " ").code == 2
 
 

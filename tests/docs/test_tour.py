@@ -5,8 +5,6 @@ from __future__ import annotations
 import shlex
 from pathlib import Path
 
-import pytest
-
 from cli_runs import Runner
 from pages import ROOT, blocks
 
@@ -16,11 +14,7 @@ CODES = {"compare": 3}
 MADE = ("my.yaml", "out/first/report.html", "out/sweep/sweep.png", "out/film/animation.gif", "out/job/submit.sh")
 
 
-def test_the_tour_can_be_followed(
-    tmp_path: Path, monkeypatch: pytest.MonkeyPatch, capsys: pytest.CaptureFixture[str]
-) -> None:
-    monkeypatch.chdir(tmp_path)
-    run = Runner(tmp_path, capsys)
+def test_the_tour_can_be_followed(run: Runner) -> None:
     lines = [line for block in blocks(ROOT / "docs/tour.md") for line in block.text.splitlines() if line.strip()]
     assert len(lines) >= 10
     for line in lines:

@@ -15,15 +15,13 @@ from strandcli.exchange.files import read
 
 
 @pytest.fixture
-def run(tmp_path: Path, monkeypatch: pytest.MonkeyPatch, capsys: pytest.CaptureFixture[str]) -> Runner:
-    monkeypatch.chdir(tmp_path)
+def run(run: Runner) -> Runner:
     Path("a.hair").write_bytes(kit.hair(list(head())))
-    return Runner(tmp_path, capsys)
+    return run
 
 
 def test_info_tells_facts_and_what_mends(run: Runner) -> None:
-    words = run("info", "a.hair")
-    assert words.code == 0
+    words = run.fine("info", "a.hair")
     assert "strands    200" in words.out
     assert "guess      up is y" in words.out
     data = json.loads(run("info", "a.hair", "--json").out)
@@ -43,8 +41,7 @@ def test_the_mend_that_is_told_mends(run: Runner) -> None:
 
 def test_convert_says_what_it_changed(run: Runner) -> None:
     edits = ["--min-length", "20", "--strands", "50", "--resample", "9"]
-    words = run("convert", "a.hair", "b.ply", *edits)
-    assert words.code == 0
+    words = run.fine("convert", "a.hair", "b.ply", *edits)
     assert words.out == ""
     assert "too short" in words.err
     assert "4,000 points" not in words.err
@@ -67,9 +64,7 @@ def test_convert_says_what_it_changed(run: Runner) -> None:
     (("/dev/zero", "b.ply"), 2, "no file but a pipe or a device"),
 ])  # fmt: skip
 def test_faults_are_one_line(run: Runner, arguments: tuple[str, ...], code: int, message: str) -> None:
-    found = run("convert", *arguments)
-    assert found.code == code
-    assert message in found.error()
+    assert message in run.refused("convert", *arguments, code=code)
     assert not Path("b.ply").exists()
 
 

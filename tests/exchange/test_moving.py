@@ -68,21 +68,16 @@ def test_points_at_several_times_are_read_again(
             assert path.read_bytes().startswith(b"#usda" if suffix == ".usda" else b"PXR-USDC")
 
 
-class Source:
-    """A file of strands that move, and the command line."""
-
-    def __init__(self, folder: Path, capsys: pytest.CaptureFixture[str]) -> None:
-        self.folder, self.run = folder, Runner(folder, capsys)
-
-    def convert(self, name: str, *more: str) -> Path:
-        assert self.run("convert", str(self.folder / "in.abc"), str(self.folder / name), *more).code == 0
-        return self.folder / name
-
-
 @pytest.fixture
-def source(tmp_path: Path, capsys: pytest.CaptureFixture[str]) -> Source:
-    write(tmp_path / "in.abc", *moving())
-    return Source(tmp_path, capsys)
+def run(run: Runner) -> Runner:
+    """Beside a file of strands that move."""
+    write(Path("in.abc"), *moving())
+    return run
+
+
+def convert(run: Runner, name: str, *more: str) -> Path:
+    run.fine("convert", "in.abc", name, *more)
+    return Path(name)
 
 
 def points(path: Path) -> list[Any]:
@@ -91,48 +86,43 @@ def points(path: Path) -> list[Any]:
 
 
 @pytest.mark.parametrize("name", ["out.abc", "out.usd"])
-def test_all_moments_are_written(source: Source, name: str) -> None:
+def test_all_moments_are_written(run: Runner, name: str) -> None:
     if name == "out.usd":
         pytest.importorskip("pxr", reason="Pixar's library is not installed: pip install usd-core")
-    target = source.convert(name)
+    target = convert(run, name)
     found = kit.moments(target)
     told = moving()[1]
     assert [one.points.tobytes() for one in found] == [one.points.tobytes() for one in told]
     np.testing.assert_allclose([one.seconds for one in found], [one.seconds for one in told], atol=1e-9)
 
 
-def test_some_moments_are_written(source: Source) -> None:
+def test_some_moments_are_written(run: Runner) -> None:
     told = [one.points.tobytes() for one in moving()[1]]
-    assert [one.tobytes() for one in points(source.convert("a.abc", "-f", "2-4x2"))] == [told[1], told[3]]
-    assert [one.tobytes() for one in points(source.convert("b.abc", "--frames", "3"))] == [told[2]]
-    assert read(source.convert("c.hair", "--frames", "3")).points.tobytes() == told[2]
+    assert [one.tobytes() for one in points(convert(run, "a.abc", "-f", "2-4x2"))] == [told[1], told[3]]
+    assert [one.tobytes() for one in points(convert(run, "b.abc", "--frames", "3"))] == [told[2]]
+    assert read(convert(run, "c.hair", "--frames", "3")).points.tobytes() == told[2]
 
 
-def test_numbered_files_become_one(source: Source) -> None:
+def test_numbered_files_become_one(run: Runner) -> None:
     """File N is frame N; a moment that has other strands can be taken alone."""
     held, samples = moving()
     for number, one in enumerate(samples, 7):
-        write(source.folder / f"in.{number:02d}.ply", replace(held, points=one.points))
-    several = str(source.folder / "in.##.ply")
-    assert source.run("convert", several, str(source.folder / "out.abc")).code == 0
-    found = kit.moments(source.folder / "out.abc")
+        write(Path(f"in.{number:02d}.ply"), replace(held, points=one.points))
+    run.fine("convert", "in.##.ply", "out.abc")
+    found = kit.moments(Path("out.abc"))
     assert [one.points.tobytes() for one in found] == [one.points.tobytes() for one in samples]
     np.testing.assert_allclose([one.seconds for one in found], [number / FPS for number in range(7, 12)], atol=1e-9)
-    write(source.folder / "in.12.ply", held.select(np.arange(held.count) > 0))
-    words = source.run("convert", several, str(source.folder / "all.abc"))
-    assert (words.code, "in.12.ply: has other strands" in words.error()) == (2, True)
-    assert source.run("convert", several, str(source.folder / "last.npz"), "--frames", "6").code == 0
-    assert read(source.folder / "last.npz").count == held.count - 1
+    write(Path("in.12.ply"), held.select(np.arange(held.count) > 0))
+    assert "in.12.ply: has other strands" in run.refused("convert", "in.##.ply", "all.abc")
+    run.fine("convert", "in.##.ply", "last.npz", "--frames", "6")
+    assert read(Path("last.npz")).count == held.count - 1
 
 
-def test_one_moment_of_several_is_told(source: Source) -> None:
-    given = str(source.folder / "in.abc")
-    done = source.run("convert", given, str(source.folder / "a.hair"))
+def test_one_moment_of_several_is_told(run: Runner) -> None:
+    done = run("convert", "in.abc", "a.hair")
     assert "the first of 5 is written, --frames chooses another" in done.err
-    done = source.run("convert", given, str(source.folder / "b.hair"), "-f", "1-2")
-    assert done.code == 2
-    assert "asks for several moments" in done.error()
-    assert "moment 6" in source.run("convert", given, str(source.folder / "b.abc"), "-f", "6").error()
+    assert "asks for several moments" in run.refused("convert", "in.abc", "b.hair", "-f", "1-2")
+    assert "moment 6" in run.refused("convert", "in.abc", "b.abc", "-f", "6")
 
 
 @pytest.mark.parametrize(
@@ -142,29 +132,29 @@ def test_one_moment_of_several_is_told(source: Source) -> None:
         ["--min-length", "3", "--scale", "2"], ["--resample", "7"],
     ],
 )  # fmt: skip
-def test_edits_are_those_of_each_moment_alone(source: Source, edits: list[str]) -> None:
+def test_edits_are_those_of_each_moment_alone(run: Runner, edits: list[str]) -> None:
     """But for what is chosen by the strands, which is chosen at the first moment."""
-    found = points(source.convert("all.abc", *edits))
+    found = points(convert(run, "all.abc", *edits))
     assert len(found) == FRAMES
     by_length = "--min-length" in edits
     for i, one in enumerate(found):
         if i and (by_length or "--fix" in edits):
             continue
-        alone = source.convert(f"{i}.npz", "-f", str(i + 1), *edits)
+        alone = convert(run, f"{i}.npz", "-f", str(i + 1), *edits)
         assert one.tobytes() == read(alone).points.tobytes()
-    counts = read(source.folder.joinpath("all.abc")).counts()
+    counts = read(Path("all.abc")).counts()
     if "--fix" in edits:
         assert counts.tolist() == moving()[0].counts()[:5].tolist()
         held = moving()[1]
         assert [one.tobytes() for one in found] == [one.points[:58].tobytes() for one in held]
 
 
-def test_points_that_are_left_out_are_the_same_at_all_moments(source: Source) -> None:
-    found = points(source.convert("a.abc", "--simplify", "0.5"))
+def test_points_that_are_left_out_are_the_same_at_all_moments(run: Runner) -> None:
+    found = points(convert(run, "a.abc", "--simplify", "0.5"))
     held = moving()[1]
     rows = [int(np.flatnonzero((held[0].points == one).all(axis=1))[0]) for one in found[0]]
     assert len(rows) < held[0].points.shape[0]
     # the last strand repeats the second, so that its rows are found there
-    first = read(source.folder.joinpath("a.abc")).first[-2]
+    first = read(Path("a.abc")).first[-2]
     for one, told in zip(found, held, strict=True):
         assert one[:first].tobytes() == told.points[rows[:first]].tobytes()

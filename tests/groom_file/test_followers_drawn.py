@@ -84,9 +84,7 @@ def test_a_cache_holds_guides_and_draws_the_same(tmp_path: Path, run: Runner) ->
     plain = ["--set", "solver=rod", "--set", f"rules={[FALL]!r}".replace("'", '"'), "--set", "emitter.groom.guides=25"]
     assert run("simulate", path, "-o", tmp_path / "c", "-f", "1-1", "--particles", 9, *plain).code == 0
     assert np.load(tmp_path / "c" / "positions_0001.npz")["positions"].shape == (25, 9, 3)
-    told = run("plan", path, *plain)
-    assert told.code == 0
-    assert "25 of 200 strands, 10 particles each, within" in told.out
+    assert "25 of 200 strands, 10 particles each, within" in run.fine("plan", path, *plain).out
 
 
 def test_a_frame_whose_followers_are_stretched_is_warned_of(tmp_path: Path) -> None:

@@ -45,8 +45,7 @@ def test_kept_positions_are_those_of_each_moment(tmp_path: Path, run: Runner) ->
     path = file_of(tmp_path, "abc", turned, [i / FPS for i in range(3)])
     cache, first, second = (str(tmp_path / name) for name in ("cache", "a", "b"))
     small = ["--size", "48x36", "--set", "ambient_occlusion=null"]
-    done = run("simulate", path, "-o", cache)
-    assert done.code == 0, done.err
+    run.fine("simulate", path, "-o", cache)
     assert run("render", path, "-o", first, *small).code == 0
     assert run("render", path, "-o", second, "--from-cache", cache, *small).code == 0
     for number in (1, 3):

@@ -72,13 +72,11 @@ def test_a_threading_layer_that_is_not_there_is_told(monkeypatch: pytest.MonkeyP
 
 @pytest.mark.skipif(resource is None, reason="no limits of addresses here")
 def test_too_few_addresses_for_the_libraries_are_refused(
-    monkeypatch: pytest.MonkeyPatch, tmp_path: Path, capsys: pytest.CaptureFixture[str]
+    monkeypatch: pytest.MonkeyPatch, tmp_path: Path, run: Runner
 ) -> None:
-    run = Runner(tmp_path, capsys)
     monkeypatch.setattr(resource, "getrlimit", lambda _: (409_600_000, resource.RLIM_INFINITY))
-    done = run("render", "minimal", "-o", str(tmp_path / "out"))
-    assert done.code == 4
-    assert "this process may use 410 MB of addresses, and the libraries take 800; raise the limit" in done.error()
+    told = run.refused("render", "minimal", "-o", tmp_path / "out", code=4)
+    assert "this process may use 410 MB of addresses, and the libraries take 800; raise the limit" in told
     assert not (tmp_path / "out").exists()
     assert run("presets").code == 0
     assert run("render", "--help").code == 0

@@ -79,15 +79,12 @@ def test_the_unit_is_guessed_by_size(factor: float, name: str | None) -> None:
 def test_a_mesh_in_the_place_of_a_preset_is_told_what_it_is(command: str, run: Runner, tmp_path: Path) -> None:
     mesh = tmp_path / "head.obj"
     mesh.write_text("v 0 0 0\nv 1 0 0\nv 0 1 0\nf 1 2 3\n")
-    found = run(command, mesh)
-    assert found.code == 2
-    assert f"{mesh}: is a mesh, neither a preset nor strands" in found.error()
+    assert f"{mesh}: is a mesh, neither a preset nor strands" in run.refused(command, mesh)
 
 
 def test_info_tells_a_mesh_and_draws_it(run: Runner, tmp_path: Path) -> None:
     path = mesh_kit.write(tmp_path / "ball.obj", *mesh_kit.sphere(3))
-    words = run("info", path, "--picture", tmp_path / "ball.png")
-    assert words.code == 0, words.err
+    words = run.fine("info", path, "--picture", tmp_path / "ball.png")
     assert "triangles  512" in words.out
     assert "parts      1, closed" in words.out
     data = json.loads(run("info", path, "--json").out)

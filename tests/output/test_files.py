@@ -168,9 +168,8 @@ def test_a_second_run_is_refused_in_one_line_before_anything_is_computed(
     (tmp_path / "out").mkdir()
     name, *options = command
     with another(tmp_path / "out", what, [2]):
-        refused = run(name, "tiny.yaml", "-o", "out", *options)
-        assert refused.code == 4
-        assert f"out: another run is writing the same {what} there" in refused.error()
+        refused = run.refused(name, "tiny.yaml", "-o", "out", *options, code=4)
+        assert f"out: another run is writing the same {what} there" in refused
         assert os.listdir("out") == [f".{what}.lock"]
     assert run(name, "tiny.yaml", "-o", "out", *options).code == 0
     assert not [name for name in os.listdir("out") if name.startswith(".")]

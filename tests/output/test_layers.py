@@ -81,21 +81,17 @@ def test_what_the_pngs_show() -> None:
 
 def test_the_command_writes_layers_and_keeps_them_on_resume(run: Runner) -> None:
     asked = ",".join(AOVS)
-    done = run("render", "tiny.yaml", "-f", "1-2", "-o", "out", "--aov", asked, "--quiet")
-    assert done.code == 0, done.err
+    run.fine("render", "tiny.yaml", "-f", "1-2", "-o", "out", "--aov", asked, "--quiet")
     names = {path.name for path in Path("out").iterdir()}
     expected = {name for frame in (1, 2) for name in layer_files(frame, AOVS, False)}
     assert names == expected | {"frame_0001.png", "frame_0002.png", "report.html", "report.json"}
     depth, ids = (read_layer(Path("out") / f"{name}_0002.npz") for name in ("depth", "strand_id"))
     assert depth.shape == ids.shape == (48, 64)
     assert (np.isfinite(depth) == (ids != -1)).all()
-    refused = run("render", "tiny.yaml", "-f", "1", "-o", "out", "--aov", "depth")
-    assert refused.code == 2
-    assert "already has" in refused.error()
+    assert "already has" in run.refused("render", "tiny.yaml", "-f", "1", "-o", "out", "--aov", "depth")
     # a picture without its layers is drawn again; one with them is kept
     Path("out/depth_0001.npz").unlink()
-    again = run("render", "tiny.yaml", "-f", "1-2", "-o", "out", "--aov", asked, "--resume", "--quiet", "--json")
-    assert again.code == 0, again.err
+    again = run.fine("render", "tiny.yaml", "-f", "1-2", "-o", "out", "--aov", asked, "--resume", "--quiet", "--json")
     kept = [entry.get("kept", False) for entry in json.loads(again.out)["frames"]]
     assert kept == [False, True]
     assert Path("out/depth_0001.npz").exists()
@@ -113,25 +109,20 @@ def test_the_command_writes_layers_and_keeps_them_on_resume(run: Runner) -> None
     ],
 )
 def test_bad_input_is_one_clear_line(run: Runner, options: list[str], message: str) -> None:
-    done = run("render", "tiny.yaml", "-f", "1", "-o", "out", *options)
-    assert done.code == 2
-    assert message in done.error()
+    assert message in run.refused("render", "tiny.yaml", "-f", "1", "-o", "out", *options)
     assert not Path("out").exists()
 
 
 def test_panels_have_no_layers(run: Runner) -> None:
     Path("two.yaml").write_text(TINY + "panels: [{label: one}, {label: two}]\n")
     for option in (["--aov", "depth"], ["--exr"]):
-        done = run("render", "two.yaml", "-f", "1", "-o", "out", *option)
-        assert done.code == 2
-        assert "a preset of several panels has no layers" in done.error()
+        done = run.refused("render", "two.yaml", "-f", "1", "-o", "out", *option)
+        assert "a preset of several panels has no layers" in done
 
 
 def test_without_the_extra_exr_tells_how_to_install_it(run: Runner, monkeypatch: pytest.MonkeyPatch) -> None:
     monkeypatch.setitem(sys.modules, "OpenEXR", None)
-    done = run("render", "tiny.yaml", "-f", "1", "-o", "out", "--exr")
-    assert done.code == 2
-    assert done.error().endswith(" 'OpenEXR>=3.3'")
+    assert run.refused("render", "tiny.yaml", "-f", "1", "-o", "out", "--exr").endswith(" 'OpenEXR>=3.3'")
     assert not Path("out").exists()
 
 
@@ -162,8 +153,7 @@ def test_exr_files_are_read_by_their_own_library_again(run: Runner) -> None:
     OpenEXR = pytest.importorskip("OpenEXR")
     for folder, changes in (("out", ()), ("bare", ("--set", "image.background=none"))):
         words = ("--exr", "--aov", "depth,strand_id,mask", "--quiet", *changes)
-        done = run("render", "tiny.yaml", "-f", "3", "-o", folder, *words)
-        assert done.code == 0, done.err
+        run.fine("render", "tiny.yaml", "-f", "3", "-o", folder, *words)
     found = {}
     for folder in ("out", "bare"):
         with OpenEXR.File(f"{folder}/frame_0003.exr", separate_channels=True) as file:
@@ -182,8 +172,7 @@ def test_exr_files_are_read_by_their_own_library_again(run: Runner) -> None:
 def test_an_exr_file_without_a_layer_that_is_asked_for_is_written_again(run: Runner) -> None:
     OpenEXR = pytest.importorskip("OpenEXR")
     for names in ("depth", "mask", "depth"):
-        done = run("render", "tiny.yaml", "-f", "3", "-o", "out", "--exr", "--aov", names, "--resume", "--quiet")
-        assert done.code == 0, done.err
+        run.fine("render", "tiny.yaml", "-f", "3", "-o", "out", "--exr", "--aov", names, "--resume", "--quiet")
     with OpenEXR.File("out/frame_0003.exr", separate_channels=True) as file:
         assert "Z" in file.channels()
 

@@ -252,20 +252,15 @@ def test_a_full_disk_is_told_in_one_line(tmp_path: Path) -> None:
         run(small("minimal"), [2], Checkpoints(tmp_path, 2))
 
 
-def test_the_option(tmp_path: Path, capsys: pytest.CaptureFixture[str], monkeypatch: pytest.MonkeyPatch) -> None:
-    monkeypatch.chdir(tmp_path)
-    strandcli_here = Runner(tmp_path, capsys)
-    small_one = ("--strands", 20, "--particles", 4, "--size", "24x20", "--threads", 1, "-q")
-    assert strandcli_here("render", "minimal", *small_one, "-f", "1-6", "-o", "whole").code == 0
-    assert strandcli_here("render", "minimal", *small_one, "-f", "1-4", "-o", "a", "--checkpoint", 3).code == 0
+def test_the_option(run: Runner) -> None:
+    small_one = ("minimal", "--strands", 20, "--particles", 4, "-q")
+    draw = ("render", *small_one, "--size", "24x20", "--threads", 1)
+    run.fine(*draw, "-f", "1-6", "-o", "whole")
+    run.fine(*draw, "-f", "1-4", "-o", "a", "--checkpoint", 3)
     with Steps() as steps:
-        assert strandcli_here("render", "minimal", *small_one, "-f", "6", "-o", "a").code == 0
+        run.fine(*draw, "-f", "6", "-o", "a")
     assert steps.count == 3 * strandcli.load("minimal").time.substeps
-    assert (tmp_path / "a/frame_0006.png").read_bytes() == (tmp_path / "whole/frame_0006.png").read_bytes()
-    assert (
-        strandcli_here("simulate", "minimal", *small_one[:4], "-q", "-f", "3", "-o", "b", "--checkpoint", 3).code == 0
-    )
-    assert (tmp_path / "b" / FOLDER / "frame_0003.state").is_file()
-    refused = strandcli_here("render", "minimal", "--from-cache", "b", "--checkpoint", 2)
-    assert refused.code == 2
-    assert "exclude each other" in refused.err
+    assert Path("a/frame_0006.png").read_bytes() == Path("whole/frame_0006.png").read_bytes()
+    run.fine("simulate", *small_one, "-f", "3", "-o", "b", "--checkpoint", 3)
+    assert Path("b", FOLDER, "frame_0003.state").is_file()
+    assert "exclude each other" in run.refused("render", "minimal", "--from-cache", "b", "--checkpoint", 2)

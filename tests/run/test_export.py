@@ -115,27 +115,20 @@ def test_level_of_detail_and_camera_do_not_matter() -> None:
     assert one.points.tobytes() == other.points.tobytes()
 
 
-def test_the_command_writes_all_frames(tmp_path: Path, capsys: pytest.CaptureFixture[str]) -> None:
-    run = Runner(tmp_path, capsys)
-    (tmp_path / "a.yaml").write_text(SCENES["children"])
-    preset = str(tmp_path / "a.yaml")
+def test_the_command_writes_all_frames(run: Runner) -> None:
+    Path("a.yaml").write_text(SCENES["children"])
     told = list(drawn_strands(scene_of(SCENES["children"]), threads=1))
-    done = run("export", preset, str(tmp_path / "a.abc"))
-    assert done.code == 0, done.err
-    assert "900 strands, 9,900 points, 3 frames" in done.err
-    found = exchange_kit.moments(tmp_path / "a.abc")
+    assert "900 strands, 9,900 points, 3 frames" in run.fine("export", "a.yaml", "a.abc").err
+    found = exchange_kit.moments(Path("a.abc"))
     assert [one.points.tobytes() for one in found] == [one.strands.points.tobytes() for one in told]
     np.testing.assert_allclose([one.seconds for one in found], [n / 24 for n in (1, 2, 3)], rtol=1e-9)
-    done = run("export", preset, str(tmp_path / "a.hair"), "-f", "2-3")
-    assert done.code == 0, done.err
+    run.fine("export", "a.yaml", "a.hair", "-f", "2-3")
     for number in (2, 3):
-        strands = read(tmp_path / f"a_{number:04d}.hair")
+        strands = read(Path(f"a_{number:04d}.hair"))
         assert strands.points.tobytes() == told[number - 1].strands.points.tobytes()
         width = told[number - 1].strands.attributes["width"].values
         assert strands.attributes["width"].values.tobytes() == width.tobytes()
-    done = run("export", preset, str(tmp_path / "a.abc"), "-f", "1")
-    assert done.code == 2
-    assert "add --overwrite" in done.error()
-    assert run("export", preset, str(tmp_path / "b.npz"), "-f", "2", "--pieces", "1").code == 0
-    assert read(tmp_path / "b.npz").equal() == 6
-    assert "let the name end in" in run("export", preset, str(tmp_path / "b.png")).error()
+    assert "add --overwrite" in run.refused("export", "a.yaml", "a.abc", "-f", "1")
+    run.fine("export", "a.yaml", "b.npz", "-f", "2", "--pieces", "1")
+    assert read(Path("b.npz")).equal() == 6
+    assert "let the name end in" in run.refused("export", "a.yaml", "b.png")

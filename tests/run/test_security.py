@@ -13,7 +13,7 @@ import pytest
 from hypothesis import given
 from hypothesis import strategies as st
 
-from cli_runs import ROOT, TINY, Runner
+from cli_runs import ROOT, Runner
 from strandcli.cli.sweep import Axis, points
 from strandcli.dataset.views import names_of
 
@@ -60,9 +60,7 @@ def test_nothing_from_outside_is_unpickled() -> None:
     assert not imported
 
 
-def test_no_connection_is_opened(
-    tmp_path: Path, monkeypatch: pytest.MonkeyPatch, capsys: pytest.CaptureFixture[str]
-) -> None:
+def test_no_connection_is_opened(run: Runner, monkeypatch: pytest.MonkeyPatch) -> None:
     for path in (ROOT / "strandcli").rglob("*.py"):
         for node in ast.walk(ast.parse(path.read_bytes())):
             names = [one.name for one in node.names] if isinstance(node, ast.Import) else []
@@ -74,9 +72,7 @@ def test_no_connection_is_opened(
 
     monkeypatch.setattr(socket, "socket", never)
     monkeypatch.setattr(socket, "create_connection", never)
-    monkeypatch.chdir(tmp_path)
-    Path("tiny.yaml").write_text(TINY)
-    assert Runner(tmp_path, capsys)("render", "tiny.yaml", "-f", "1", "-o", "out").code == 0
+    run.fine("render", "tiny.yaml", "-f", "1", "-o", "out")
 
 
 def plain(name: str) -> bool:
@@ -100,12 +96,7 @@ def test_names_of_folders_and_files_are_single_plain_parts(axes: list[tuple[str,
     assert len(set(found)) == len(found)
 
 
-def test_a_report_shows_no_pictures_but_frames_of_its_folder(
-    tmp_path: Path, monkeypatch: pytest.MonkeyPatch, capsys: pytest.CaptureFixture[str]
-) -> None:
-    monkeypatch.chdir(tmp_path)
-    run = Runner(tmp_path, capsys)
-    Path("tiny.yaml").write_text(TINY)
+def test_a_report_shows_no_pictures_but_frames_of_its_folder(run: Runner) -> None:
     assert run("render", "tiny.yaml", "-f", "1-2", "-o", "out").code == 0
     path = Path("out/report.json")
     data = json.loads(path.read_text("utf-8"))

@@ -6,29 +6,29 @@ import json
 import signal
 import subprocess
 import sys
-from pathlib import Path
 
 import pytest
 
 from cli_runs import Runner
-from strandcli.study.stress import drive, run
+from strandcli.study.stress import drive
+from strandcli.study.stress import run as matrix
 from strandcli.study.stress.matrix import AXES, case_named
 
 
 @pytest.fixture(scope="module")
-def small() -> run.Result:
+def small() -> matrix.Result:
     """The small matrix of both solvers."""
-    return run.run(run.tasks(["rod", "thesis"], quick=True))
+    return matrix.run(matrix.tasks(["rod", "thesis"], quick=True))
 
 
-def test_the_small_matrix_of_the_source_is_as_it_is_known(small: run.Result) -> None:
+def test_the_small_matrix_of_the_source_is_as_it_is_known(small: matrix.Result) -> None:
     mine = [one for one in small.verdicts if one.name.partition("/")[0] == "thesis"]
     assert [one.name for one in mine if one.verdict == "fail"] == []
     assert any(one.verdict == "expected_failure" for one in mine)
     assert small.passed_after_all == []
 
 
-def test_rods_fail_at_nothing_in_the_small_matrix(small: run.Result) -> None:
+def test_rods_fail_at_nothing_in_the_small_matrix(small: matrix.Result) -> None:
     mine = [one for one in small.verdicts if one.name.partition("/")[0] == "rod"]
     assert len(mine) > 70
     assert [(one.name, one.why) for one in mine if one.verdict != "pass"] == []
@@ -36,47 +36,37 @@ def test_rods_fail_at_nothing_in_the_small_matrix(small: run.Result) -> None:
     assert measured >= {"nonfinite", "moved_by_nothing", "penetration", "residual", "stretch", "pinned_off"}
 
 
-@pytest.fixture
-def command(tmp_path: Path, monkeypatch: pytest.MonkeyPatch, capsys: pytest.CaptureFixture[str]) -> Runner:
-    monkeypatch.chdir(tmp_path)
-    return Runner(tmp_path, capsys)
-
-
-def test_the_command_lists_replays_and_tells(command: Runner) -> None:
-    names = command("stress", "--list", "--solver", "thesis").out.split()
+def test_the_command_lists_replays_and_tells(run: Runner) -> None:
+    names = run("stress", "--list", "--solver", "thesis").out.split()
     assert len(names) > 18_000
-    listed = command("stress", "--list", "--filter", "contact=through start=random dt=10").out.split()
+    listed = run("stress", "--list", "--filter", "contact=through start=random dt=10").out.split()
     words = ("contact=through", "start=random", "dt=10")
-    every = command("stress", "--list").out.split()
+    every = run("stress", "--list").out.split()
     assert listed == [name for name in every if all(word in name for word in words)]
-    result = command("stress", "--case", "thesis/start=random/contact=through", "--json")
-    assert result.code == 0
-    data = json.loads(result.out)
+    data = json.loads(run.fine("stress", "--case", "thesis/start=random/contact=through", "--json").out)
     assert set(data) >= {"solver", "cases", "summary"}
     (case,) = data["cases"]
     assert set(case) == {"name", "parameters", "metrics", "verdict", "why"}
     assert case["name"] == "thesis/contact=through/start=random"
     assert case["parameters"]["contact"] == "through"
-    assert "pass" in command("stress", "--case", "thesis").out
-    assert "no case has such a name" in command("stress", "--filter", "nothing").error()
+    assert "pass" in run("stress", "--case", "thesis").out
+    assert "no case has such a name" in run("stress", "--filter", "nothing").error()
     for empty in ("", "  "):  # as of a shell's variable that is not set
-        told = command("stress", "--filter", empty)
-        assert told.code == 2
-        assert "--filter: the text is empty" in told.error()
+        assert "--filter: the text is empty" in run.refused("stress", "--filter", empty)
 
 
-def test_a_failing_case_ends_in_exit_code_3_and_is_named(command: Runner, monkeypatch: pytest.MonkeyPatch) -> None:
-    monkeypatch.setitem(run.LIMITS, "stretch", ("<=", -1.0, "error"))
-    result = command("stress", "--quick", "--solver", "thesis", "--filter", "*L=1e6*", "--no-progress")
+def test_a_failing_case_ends_in_exit_code_3_and_is_named(run: Runner, monkeypatch: pytest.MonkeyPatch) -> None:
+    monkeypatch.setitem(matrix.LIMITS, "stretch", ("<=", -1.0, "error"))
+    result = run("stress", "--quick", "--solver", "thesis", "--filter", "*L=1e6*", "--no-progress")
     assert result.code == 3
     assert "again with: strandcli stress --case thesis/" in result.err
     assert "failed:" in result.out
-    assert command("stress", "--case", "thesis/L=1e6").code == 3
+    assert run("stress", "--case", "thesis/L=1e6").code == 3
 
 
-def test_a_replay_gives_the_same_numbers(command: Runner) -> None:
+def test_a_replay_gives_the_same_numbers(run: Runner) -> None:
     name = "thesis/dt=10/wind=gale/start=random"
-    found = [json.loads(command("stress", "--case", name, "--json").out)["cases"] for _ in range(2)]
+    found = [json.loads(run("stress", "--case", name, "--json").out)["cases"] for _ in range(2)]
     assert found[0] == found[1]
     batch = drive.run([case_named(name).with_labels(start=start) for start in AXES["start"]])
     metrics = next(one.metrics for one in batch if one.case.name == name)
@@ -100,10 +90,10 @@ def test_a_process_ends_when_the_one_that_began_it_is_killed() -> None:
 
 
 def test_several_processes_come_to_the_same_verdicts() -> None:
-    work = run.tasks(["thesis"], quick=True)
-    assert len(work) >= 4 * run.CHUNK  # fewer are not worth a second process
+    work = matrix.tasks(["thesis"], quick=True)
+    assert len(work) >= 4 * matrix.CHUNK  # fewer are not worth a second process
     counted: list[int] = []
-    shared = run.run(work, processes=2, step=counted.append)
-    alone = run.run(work, processes=1)
+    shared = matrix.run(work, processes=2, step=counted.append)
+    alone = matrix.run(work, processes=1)
     assert [one.as_dict() for one in shared.verdicts] == [one.as_dict() for one in alone.verdicts]
     assert sum(counted) == len(alone.verdicts)

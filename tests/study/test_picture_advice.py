@@ -29,13 +29,12 @@ rules: {elasticity: {}}
 
 
 @pytest.fixture
-def run(tmp_path: Path, monkeypatch: pytest.MonkeyPatch, capsys: pytest.CaptureFixture[str]) -> Runner:
-    (tmp_path / "brush.yaml").write_text(SMALL)
-    monkeypatch.chdir(tmp_path)
-    monkeypatch.setattr(advice, "folder", lambda: tmp_path / "kept")
+def run(run: Runner, monkeypatch: pytest.MonkeyPatch) -> Runner:
+    Path("brush.yaml").write_text(SMALL)
+    monkeypatch.setattr(advice, "folder", lambda: run.folder / "kept")
     monkeypatch.setattr(module, "SIDE", 12)
     monkeypatch.setattr("strandcli.study.pictures.frame.PATIENCE", 1e9)
-    return Runner(tmp_path, capsys)
+    return run
 
 
 def test_windows_are_tiles_with_strands_in_the_order_of_how_rough_they_are(monkeypatch: pytest.MonkeyPatch) -> None:
@@ -142,8 +141,7 @@ def test_advice_of_pictures_follows_from_the_scene_and_what_is_fixed() -> None:
 
 def test_render_keeps_under_an_error_and_says_how_it_knows(run: Runner, monkeypatch: pytest.MonkeyPatch) -> None:
     few = ("brush.yaml", "-f", "1", "--no-progress")
-    first = run("render", *few, "-o", "a", "--max-error", "picture=10%,flip=0.5")
-    assert first.code == 0, first.err
+    first = run.fine("render", *few, "-o", "a", "--max-error", "picture=10%,flip=0.5")
     assert "brush: under picture 10 %, flip 50 %: " in first.err
     assert "by a study" in first.err
     told = json.loads(Path("a/report.json").read_text())["picture_error"]
@@ -152,22 +150,18 @@ def test_render_keeps_under_an_error_and_says_how_it_knows(run: Runner, monkeypa
     assert told["study"] == {"remembered": False, "untried": 0}
 
     monkeypatch.setattr(sweep, "run", lambda *arguments: pytest.fail("studied again"))
-    second = run("render", *few, "-o", "b", "--max-error", "picture=100%")
-    assert second.code == 0, second.err
-    assert "by an earlier study" in second.err
+    assert "by an earlier study" in run.fine("render", *few, "-o", "b", "--max-error", "picture=100%").err
     told = json.loads(Path("b/report.json").read_text())["picture_error"]
     assert told["study"]["remembered"]
 
-    missed = run("render", *few, "-o", "c", "--max-error", "picture=1e-9")
-    assert missed.code == 3
-    assert "no settings of drawing keep under 1e-07 % of the mean light; the least is" in missed.error()
+    missed = run.refused("render", *few, "-o", "c", "--max-error", "picture=1e-9", code=3)
+    assert "no settings of drawing keep under 1e-07 % of the mean light; the least is" in missed
     assert not Path("c").exists()
 
 
 def test_what_is_set_by_hand_stays(run: Runner) -> None:
     fixed = ("--set", "image.supersample=2", "--set", "curves.tolerance=0.25")
-    done = run("render", "brush.yaml", "-f", "1", "-o", "a", "--no-progress", "--max-error", "picture=100%", *fixed)
-    assert done.code == 0, done.err
+    run.fine("render", "brush.yaml", "-f", "1", "-o", "a", "--no-progress", "--max-error", "picture=100%", *fixed)
     told = json.loads(Path("a/report.json").read_text())["picture_error"]["settings"]
     assert told.get("image.supersample", 2) == 2
     assert told.get("curves.tolerance", 0.25) == 0.25
@@ -195,7 +189,5 @@ def test_what_studies_do_not_draw_is_refused(tmp_path: Path) -> None:
     ],
 )
 def test_bad_input_is_one_line_and_exit_code_2(run: Runner, arguments: list[str], words: str) -> None:
-    done = run("render", "brush.yaml", "-f", "1", *arguments)
-    assert done.code == 2, done.err
-    assert words in done.error()
+    assert words in run.refused("render", "brush.yaml", "-f", "1", *arguments)
     assert not Path("out").exists()

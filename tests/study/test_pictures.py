@@ -29,10 +29,9 @@ AXES = ("coverage", "shadow", "quality")
 
 
 @pytest.fixture
-def run(tmp_path: Path, monkeypatch: pytest.MonkeyPatch, capsys: pytest.CaptureFixture[str]) -> Runner:
-    (tmp_path / "brush.yaml").write_text(SMALL)
-    monkeypatch.chdir(tmp_path)
-    return Runner(tmp_path, capsys)
+def run(run: Runner) -> Runner:
+    Path("brush.yaml").write_text(SMALL)
+    return run
 
 
 def test_what_is_studied_is_what_is_drawn_children_included(tmp_path: Path) -> None:
@@ -50,8 +49,7 @@ def test_what_is_studied_is_what_is_drawn_children_included(tmp_path: Path) -> N
 
 def test_the_first_of_the_children_are_studied_where_fewer_are_asked_for(run: Runner, tmp_path: Path) -> None:
     (tmp_path / "locks.yaml").write_text(f"{SMALL}children: {{count: 4}}\n")
-    done = run("study", "locks.yaml", "--axis", "shadow", "--strands", "70", "--json")
-    found = json.loads(done.out)
+    found = json.loads(run("study", "locks.yaml", "--axis", "shadow", "--strands", "70", "--json").out)
     assert found["reference"]["strands"] == 70
     assert "70 of 240 strands" in found["title"]
 
@@ -120,9 +118,7 @@ def test_settings_by_path() -> None:
 
 @pytest.mark.parametrize("axis", AXES)
 def test_every_axis_of_a_small_groom(run: Runner, axis: str) -> None:
-    done = run("study", "brush.yaml", "--axis", axis, "--json", "-q", "-o", "s")
-    assert done.code == 0, done.err
-    data = json.loads(done.out)
+    data = json.loads(run.fine("study", "brush.yaml", "--axis", axis, "--json", "-q", "-o", "s").out)
     assert data["axis"] == axis
     errors = [point["error"][data["metric"]] for point in data["points"]]
     assert all(error is not None and error >= 0 for error in errors)
@@ -143,8 +139,7 @@ def test_every_axis_of_a_small_groom(run: Runner, axis: str) -> None:
 
 
 def test_what_is_set_by_hand_is_not_turned_and_what_does_not_fit_is_refused(run: Runner) -> None:
-    done = run("study", "brush.yaml", "--axis", "coverage", "--set", "image.supersample=3", "--json", "-q")
-    assert done.code == 0, done.err
+    done = run.fine("study", "brush.yaml", "--axis", "coverage", "--set", "image.supersample=3", "--json", "-q")
     assert {point["parameters"]["image.supersample"] for point in json.loads(done.out)["points"]} == {3}
     for options, word in (
         (("--axis", "coverage", "--dt", "1/24"), "--dt"),
@@ -154,20 +149,15 @@ def test_what_is_set_by_hand_is_not_turned_and_what_does_not_fit_is_refused(run:
         (("--axis", "shadow", "--set", "lights=[]"), "no light"),
         (("--axis", "colour"), "no axis 'colour'"),
     ):
-        done = run("study", "brush.yaml", *options, "-o", "other")
-        assert done.code == 2
-        assert word in done.error()
+        assert word in run.refused("study", "brush.yaml", *options, "-o", "other")
 
 
 def test_what_memory_cannot_hold_is_refused_before_anything_runs(run: Runner, monkeypatch: pytest.MonkeyPatch) -> None:
     monkeypatch.setattr("strandcli.plan.make.available_memory", lambda: 10**8)
     for words in (("study", "brush.yaml", "--axis", "coverage"), ("bench", "--strands", "100000000")):
-        done = run(*words)
-        assert done.code == 4
-        assert "100 MB that are free" in done.error()
+        assert "100 MB that are free" in run.refused(*words, code=4)
 
 
 def test_an_error_that_nothing_keeps_under(run: Runner) -> None:
-    done = run("study", "brush.yaml", "--axis", "coverage", "--max-error", "0.0001%", "-q", "-o", "s")
-    assert done.code == 3
-    assert "allow a greater error" in done.error()
+    done = run.refused("study", "brush.yaml", "--axis", "coverage", "--max-error", "0.0001%", "-q", "-o", "s", code=3)
+    assert "allow a greater error" in done
