@@ -71,7 +71,7 @@ def keys(ctx: click.Context, param: click.Parameter, incomplete: str) -> list[Co
     """Dotted paths of settings, a part at a time, and after = the values of those that have few."""
     path, given, value = incomplete.partition("=")
     head, dot, begin = path.rpartition(".")
-    found = dict(_inside(_scene(), head.split(".") if head else []))
+    found = dict(_inside(_scene(ctx), head.split(".") if head else []))
     if not given:
         return [CompletionItem(f"{head}{dot}{key}", help=words) for key, (words, _) in found.items()
                 if key.startswith(begin)]  # fmt: skip
@@ -79,11 +79,7 @@ def keys(ctx: click.Context, param: click.Parameter, incomplete: str) -> list[Co
     return [CompletionItem(f"{path}={one}") for one in values if one.startswith(value)]
 
 
-typed: list[str] = []
-"""The words before the one that is completed: click drops what stands before an option that waits for its value."""
-
-
-def _scene() -> Scene:
+def _scene(ctx: click.Context) -> Scene:
     """The preset that the command line names; one of defaults with all rules where there is none that can be read."""
     import strandcli
 
@@ -91,7 +87,7 @@ def _scene() -> Scene:
     from ..scene.model import Scene
     from ..simulate.rules import registry
 
-    for word in typed[1:]:
+    for word in (ctx.params.get("preset"), *ctx.args):  # click parses no arguments where an option lacks its value
         if word and not word.startswith("-") and "=" not in word:
             try:
                 return strandcli.load(word)
@@ -172,41 +168,9 @@ BASH = """\
 }
 complete -o nosort -F %(complete_func)s %(prog_name)s
 """
-ZSH = """\
-#compdef %(prog_name)s
-%(complete_func)s() {
-    local -a plain described parts response
-    local kind key note
-    (( ! $+commands[%(prog_name)s] )) && return 1
-    response=("${(@f)$(env COMP_WORDS="${words[*]}" COMP_CWORD=$((CURRENT-1)) %(complete_var)s=zsh_complete \
-%(prog_name)s)}")
-    for kind key note in ${response}; do
-        if [[ $kind == dir ]]; then _path_files -/
-        elif [[ $kind == file ]]; then _path_files -f
-        elif [[ $key == *[./=] ]]; then parts+=("$key")
-        elif [[ $note == _ ]]; then plain+=("$key")
-        else described+=("$key:$note")
-        fi
-    done
-    [[ -n $described ]] && _describe -V unsorted described -U
-    [[ -n $plain ]] && compadd -U -V unsorted -a plain
-    [[ -n $parts ]] && compadd -S '' -U -V unsorted -a parts
-}
-if [[ $zsh_eval_context[-1] == loadautofunc ]]; then %(complete_func)s "$@"
-else compdef %(complete_func)s %(prog_name)s
-fi
-"""
 
 
-class Remembering(ShellComplete):
-    """Tells `complete` which words stand before the one that is completed."""
-
-    def get_completion_args(self) -> tuple[list[str], str]:
-        typed[:], incomplete = super().get_completion_args()
-        return list(typed), incomplete
-
-
-class Bash(Remembering, BashComplete):
+class Bash(BashComplete):
     """Takes the line as it is typed: Bash's own list of words is cut at = and at :."""
 
     source_template = BASH
@@ -217,22 +181,21 @@ class Bash(Remembering, BashComplete):
 
     def get_completion_args(self) -> tuple[list[str], str]:
         line = os.environ["COMP_LINE"]
-        typed[:] = split_arg_string(line)[1:]
+        typed = split_arg_string(line)[1:]
         incomplete = typed.pop() if typed and not line[-1:].isspace() else ""
-        return list(typed), incomplete
+        return typed, incomplete
 
 
-class Zsh(Remembering, ZshComplete):
-    """Adds no space after a part of a key."""
+class Zsh(ZshComplete):
+    """Adds no space after what is offered without a description, such as a part of a key."""
 
-    source_template = ZSH
+    source_template = ZshComplete.source_template.replace("compadd -U", "compadd -S '' -U")
+
+    def format_completion(self, item: CompletionItem) -> str:
+        return super().format_completion(CompletionItem(item.value) if item.value.endswith((".", "=")) else item)
 
 
-class Fish(Remembering, FishComplete):
-    """As click has it."""
-
-
-CLASSES: dict[str, type[ShellComplete]] = {"bash": Bash, "zsh": Zsh, "fish": Fish}
+CLASSES: dict[str, type[ShellComplete]] = {"bash": Bash, "zsh": Zsh, "fish": FishComplete}
 
 
 def register() -> None:
