@@ -1,15 +1,7 @@
 """Golden images: small pictures that were once looked at and found good, and that every later version must draw again.
 
-A folder holds ``golden.yaml``, the list of them, and, made by `update`, a ``NAME.png`` for each and ``hashes.json``
-with the hashes of decoded pixels. A list has entries ::
-
-    - preset: hair              # a shipped name, or a file beside golden.yaml
-      name: hair                # optional; the preset's name, '/' as '-'
-      frame: 12                 # optional; 1
-      size: 160x120             # optional; the preset's own
-      set: [emitter.strands=500]    # optional; as --set
-      allow: 0.1                # optional; of a machine of another class, percent of pixels that may be off
-      rmse: 1                   # optional; its greatest RMSE, of 255
+A folder holds ``golden.yaml``, the list of them (docs/golden-images.md), and, made by `update`, a ``NAME.png`` for each
+and ``hashes.json`` with the hashes of decoded pixels.
 
 Two machines of one class (`machine_class`) must agree in every bit. On a machine of a class that no hash was recorded
 for, sines and rounding may differ by an ulp, which moves a strand across the edge of a pixel here and there; there a

@@ -135,42 +135,8 @@ class SolidShape(Protocol):
     ``distance(x, y, z, numbers)`` is the distance of a point of the solid's own frame from the surface, metres,
     negative inside: never more than to the nearest point of the surface, and 1 per metre steep at the most.
 
-    A shape may have more, each of which makes it quicker and more accurate:
-
-    * ``meet(x, y, z, dx, dy, dz, numbers)``: where a ray that begins outside first meets the surface, as the multiple
-      t ≥ 0 of d; `math.inf` where it does not. Else rays go forward by the distance, step by step.
-    * ``meets(rays, found, numbers)``: the same of the rays of a pixel, as
-      `strandcli.meshes.kernels.rays.first_hits` takes them. Else they are taken one by one.
-    * ``normal(x, y, z, numbers)``: three numbers, not all 0, along the outward normal at the point of the surface that
-      is nearest to a point, which may be on it, inside or outside. Else differences of the distance are taken.
-    * ``hides(x, y, z, dx, dy, dz, reach, skin, numbers)``: whether it stands between a point and a light at ``reach``
-      along the unit vector d. The point may be up to ``skin`` under the surface, which counts as on it. Else by
-      `distance` until the ray is clear of the surface, and `meet`.
-    * ``look(x, y, z, eye, width, before, numbers)``: how it is drawn at a point of its surface, as three triples: a
-      vector along the normal, the point from which shadow rays set out, and the linear colour, which with a negative
-      number is the solid's `colour`; and a whole number, which comes back as ``before`` with a point nearby, and may
-      make it quicker to look at, but change nothing; at first it is -1. ``eye`` is the unit vector to the eye, or 0
-      where that does not matter, ``width`` that of a pixel there, metres. Else `normal`, the point and `colour`.
-    * ``distances(x, y, z, numbers)``: `distance` of vectors of `strandcli.simd`, which have no branches. Soft shadows
-      look it up many times for each point. Else points are taken one by one.
-    * ``slopes(x, y, z, numbers)``: `distances`, and as three more vectors their gradients, which may be 0 and need not
-      be of length 1. Drawn strands that touch it are moved along its surface by them, many at once. Else one by one.
-    * ``bounds(numbers)``: x, y, z of the low and of the high corner of a box in the solid's own frame, float32, whose
-      distance from a point is never more than `distance`. Soft shadows look no further. Else they look through the
-      ball.
-    * ``folds = True``: it may hide parts of itself, and such edges are antialiased.
-    * ``data(solids, time)``: what does not fit into a few numbers, for all solids of the kind (their settings, in a
-      list) at a time in seconds: a NamedTuple of the class ``Data``, whose fields are contiguous arrays. It is asked
-      for at every frame and step, and should return the same arrays until they change. The functions above then take
-      it as one more argument, and the last of their ``numbers`` is the solid's place in the list.
-    * ``drift(x, y, z, numbers)``: three numbers, how far the point of the surface nearest to a point came since the
-      step before, in the solid's own frame, metres: what a shape that deforms carries along by friction. `data` of such
-      a shape has a third parameter, ``past=None``, the time of the step before, which is given where strands move.
-    * ``triangles(numbers, data)``: (T, 3, 3) float64, the corners of the triangles that are all of its surface, for a
-      shape with data; not compiled. A pixel then looks at the triangles that may cover it. `meet` has to be the nearest
-      of them, as `strandcli.meshes.kernels.rays.first_hit` gives it.
-    * ``convex = True``: it is convex, and so is its distance along every line. The deepest place of a segment is then
-      searched for; else segments are looked at in a few places.
+    It may have `OPTIONAL` functions, `data` with its class ``Data``, `triangles`, ``folds`` and ``convex``, each of
+    which makes it quicker or more accurate: docs/extending.md, "A shape of solid", has what each takes and gives.
 
     Functions are plain ones of a module that can be imported, compiled by strandcli: arithmetic, `math` and functions
     that Numba has compiled.
