@@ -8,8 +8,7 @@ import click
 
 from ..errors import MismatchError, UsageError
 from . import options
-from .progress import Talk
-from .say import say
+from .progress import Talk, say
 
 
 @click.command()

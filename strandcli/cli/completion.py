@@ -21,8 +21,6 @@ from click.shell_completion import (
     split_arg_string,
 )  # fmt: skip
 
-from . import say
-
 if TYPE_CHECKING:
     from ..scene.fields import Setting
     from ..scene.model import Scene
@@ -206,7 +204,6 @@ def register() -> None:
 
 @click.command()
 @click.argument("shell", required=False, type=click.Choice(tuple(CLASSES)))
-@say.debug
 def command(shell: str | None) -> None:
     """Print what SHELL (bash, zsh or fish; by default yours) reads to complete commands, presets and keys of --set.
 

@@ -10,9 +10,8 @@ import click
 
 from ..common.counted import counted
 from ..errors import UsageError
-from . import facts, options
-from .progress import Talk
-from .say import say
+from . import options
+from .progress import Talk, say
 from .values import FRAMES, FrameRange
 
 if TYPE_CHECKING:
@@ -37,7 +36,7 @@ class FiniteType(click.FloatRange):
 @click.command()
 @click.argument("source", type=options.PathType(), metavar="IN")
 @click.argument("target", type=options.PathType(), metavar="OUT")
-@facts.reading
+@options.reading
 @click.option(
     "-f", "--frames", type=FRAMES, metavar="RANGE",
     help="Moments of a file of strands that move, the first is 1: 1-48 or 1-100x5.  [default: all]",

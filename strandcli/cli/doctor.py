@@ -9,8 +9,7 @@ import click
 
 from ..errors import FAILED
 from . import options
-from .progress import Talk
-from .say import printable, say
+from .progress import Talk, printable, say
 
 MARKS = {"ok": ("ok    ", "green"), "note": ("note  ", "yellow"), "broken": ("BROKEN", "red")}
 

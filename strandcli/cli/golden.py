@@ -13,8 +13,7 @@ import click
 
 from ..errors import MismatchError
 from . import options
-from .progress import Talk
-from .say import printable
+from .progress import Talk, printable
 
 if TYPE_CHECKING:
     from ..study.golden import Result

@@ -21,7 +21,7 @@ from .. import __version__
 from ..compiling import runtime
 from ..errors import DONE, FAILED, REFUSED, USAGE, StrandError
 from . import signals
-from .say import State, printable, set_debug
+from .progress import printable
 
 # name of a command and of its module here: what --help says. Commands for pictures first, tools after.
 COMMANDS = {
@@ -103,9 +103,7 @@ class LazyGroup(click.Group):
     "memory or permission, 129, 130 and 143 ended by a signal.",
 )
 @click.version_option(__version__, "--version", prog_name="strandcli", message="%(prog)s %(version)s")
-@click.option(
-    "--debug", is_flag=True, expose_value=False, is_eager=True, callback=set_debug, help="Show tracebacks of bugs."
-)
+@click.option("--debug", is_flag=True, expose_value=False, help="Show tracebacks of bugs.")
 @click.pass_context
 def cli(ctx: click.Context) -> None:
     """Simulate and draw strands: hair, fur, grass. Needs no GPU and no display."""
@@ -134,17 +132,18 @@ def main(arguments: Sequence[str] | None = None) -> int:
 
 
 def _main(arguments: Sequence[str] | None) -> int:
-    state = State(debug=bool(os.environ.get("STRANDCLI_DEBUG")))
+    given = sys.argv[1:] if arguments is None else arguments
+    words = [word for word in given if word != "--debug"]  # which may stand anywhere
+    debug = bool(os.environ.get("STRANDCLI_DEBUG")) or len(words) < len(given)
     if arguments is None and "_STRANDCLI_COMPLETE" in os.environ:
         from .completion import register
 
         register()
     try:
         code = cli.main(
-            args=None if arguments is None else list(arguments),
+            args=words,
             prog_name="strandcli",
             standalone_mode=False,
-            obj=state,
             color=False if os.environ.get("NO_COLOR") else None,
         )
         sys.stdout.flush()
@@ -156,7 +155,7 @@ def _main(arguments: Sequence[str] | None) -> int:
         _abandon_stdout()
         return FAILED
     except BaseException as error:
-        return report(error, state.debug, "--json" in (sys.argv if arguments is None else arguments))
+        return report(error, debug, "--json" in words)
 
 
 _FULL = (errno.ENOSPC, errno.EDQUOT, errno.EFBIG)

@@ -9,7 +9,7 @@ import click
 
 from ..errors import UsageError, one_line
 from . import options
-from .say import say
+from .progress import say
 
 SUFFIXES = (".yaml", ".yml")
 LONGEST = 100
@@ -27,7 +27,6 @@ RESERVED = re.compile(r"(con|prn|aux|nul|com[0-9]|lpt[0-9])(\..*)?", re.IGNORECA
 )  # fmt: skip
 @options.overwrite
 @options.quiet
-@options.debug
 def command(name: Path, groom: Path | None, head: Path | None, overwrite: bool, quiet: bool) -> None:
     """Write the preset NAME.yaml, with a comment on each part, that 'strandcli render NAME.yaml' draws as it is.
 

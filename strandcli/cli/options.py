@@ -15,8 +15,7 @@ from ..common.limits import cores
 from ..errors import UsageError
 from ..meshes import SUFFIXES
 from . import completion
-from .progress import Talk
-from .say import debug, say
+from .progress import Talk, say
 from .values import FRAMES, SIZE, FrameRange
 
 if TYPE_CHECKING:
@@ -147,6 +146,14 @@ def _with_talk(function: F) -> F:
     return talking  # type: ignore[return-value]
 
 
+reading = together(
+    click.option(
+        "--stride", type=Whole(2, 1_000_000), metavar="N",
+        help="Points a strand, where a file has vertices alone.",
+    ),
+    click.option("--array", metavar="NAME", help="Array of the points, where an .npz file has several."),
+    objects,
+)  # fmt: skip
 resume_or_overwrite = together(alone("overwrite", "resume"), resume, overwrite)
 scene_options = together(size, strands, particles, seed, objects, overrides)
 
@@ -154,11 +161,11 @@ scene_options = together(size, strands, particles, seed, objects, overrides)
 def talk(more: str) -> Callable[[F], F]:
     """How much a command says; ``more`` is what it does with --verbose."""
     verbose = click.option("-v", "--verbose", is_flag=True, help=more)
-    return together(alone("quiet", "verbose"), as_json, quiet, verbose, no_progress, debug, _with_talk)
+    return together(alone("quiet", "verbose"), as_json, quiet, verbose, no_progress, _with_talk)
 
 
 talk_options = talk("Print a line for each frame.")
-brief = together(as_json, quiet, debug, _with_talk)
+brief = together(as_json, quiet, _with_talk)
 
 
 def load_scene(

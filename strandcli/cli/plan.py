@@ -11,8 +11,7 @@ from ..common.counted import counted
 from ..common.limits import cores
 from ..compiling import runtime
 from . import options
-from .progress import Progress, duration, pace
-from .say import print_json, say
+from .progress import Progress, duration, pace, print_json, say
 from .values import FrameRange
 
 if TYPE_CHECKING:
@@ -34,7 +33,6 @@ LOOKED_AT = 100_000
     "--time", "measure", is_flag=True, help="Measure this machine first, for two seconds, if that was not done yet."
 )
 @options.as_json
-@options.debug
 def command(
     preset: str, frames: FrameRange | None, threads: int | None, measure: bool, as_json: bool, **scene_settings: Any
 ) -> None:

@@ -8,7 +8,7 @@ import click
 
 from ..errors import UsageError
 from . import completion, options
-from .say import print_json, say
+from .progress import print_json, say
 
 
 @click.group(invoke_without_command=True)
@@ -37,7 +37,6 @@ def belonging(preset: Path) -> list[Path]:
 
 @command.command("list")
 @options.as_json
-@options.debug
 def list_all(as_json: bool = False) -> None:
     """List the shipped presets with their titles."""
     from ..scene import describe_preset, list_presets
@@ -53,7 +52,6 @@ def list_all(as_json: bool = False) -> None:
 
 @command.command("show")
 @click.argument("name", shell_complete=completion.shipped)
-@options.debug
 def show(name: str) -> None:
     """Print the file of a shipped preset."""
     from ..scene import find
@@ -66,7 +64,6 @@ def show(name: str) -> None:
 @click.argument("target", required=False, type=options.PathType())
 @options.overwrite
 @options.quiet
-@options.debug
 def copy(name: str, target: Path | None, overwrite: bool, quiet: bool) -> None:
     """Copy a shipped preset to TARGET, a file or a folder (by default this one), to be changed there."""
     from ..output.files import prepare_folder, write_pieces

@@ -1,8 +1,10 @@
 """What a person sees while a run goes on: one line on stderr, redrawn in place on a terminal; elsewhere plain lines,
-where a command asks for them. And how much a command says, data on stdout, what people should know on stderr."""
+where a command asks for them. And how much a command says, data on stdout, what people should know on stderr: nothing
+from a preset or the name of a file reaches a terminal as a control."""
 
 from __future__ import annotations
 
+import json
 import os
 import shutil
 import sys
@@ -13,9 +15,11 @@ from contextlib import contextmanager
 from types import TracebackType
 from typing import Any, NamedTuple, Self, TextIO
 
+import click
+
 from ..compiling.clock import clock
+from ..errors import one_line
 from . import signals
-from .say import print_json, printable, say
 
 _TICK = 0.2
 _LONG, _AGAIN = 2.0, 10.0
@@ -24,6 +28,30 @@ _SILENT = 30.0
 """Seconds without a line after which a run of lines says that it goes on."""
 COMPILING = "(only on first use)"
 """Ends each line that tells of compiling."""
+
+
+def printable(text: str) -> str:
+    """``text`` with everything escaped that does not print, such as terminal escapes and marks of writing direction;
+    ends of lines stay."""
+    return text if text.isprintable() else "\n".join(one_line(line) for line in text.split("\n"))
+
+
+def say(text: str, *, err: bool = False, nl: bool = True) -> None:
+    """Print ``text``, escaped where it would not print, on stdout, or with ``err`` on stderr."""
+    click.echo(printable(text), err=err, nl=nl)
+
+
+def json_text(data: Any) -> str:
+    """``data`` as indented JSON, in which what does not print is escaped."""
+    text = json.dumps(data, indent=2, allow_nan=False, ensure_ascii=False)
+    if text.replace("\n", "").isprintable():
+        return text
+    return "".join(c if c == "\n" or c.isprintable() else json.dumps(c)[1:-1] for c in text)
+
+
+def print_json(data: Any) -> None:
+    """Machine data alone on stdout."""
+    click.echo(json_text(data))
 
 
 class Progress:

@@ -12,8 +12,7 @@ import click
 from ..common.counted import counted
 from ..errors import UsageError
 from . import completion, options, signals
-from .progress import Talk, duration, pace
-from .say import say
+from .progress import Talk, duration, pace, say
 from .values import Parsed, bounds
 
 if TYPE_CHECKING:

@@ -14,7 +14,6 @@ from . import options
 @click.option("-o", "--output", type=options.PathType(), metavar="FILE", help="Write it there.  [default: stdout]")
 @click.option("--markdown", is_flag=True, help="Print a reference to read, as Markdown, instead.")
 @options.overwrite
-@options.debug
 def command(output: Path | None, markdown: bool, overwrite: bool) -> None:
     """Print the JSON Schema of presets, for editors, or the reference of all settings as Markdown.
 

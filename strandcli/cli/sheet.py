@@ -8,7 +8,7 @@ import click
 
 from ..common.counted import counted
 from . import options
-from .say import say
+from .progress import say
 from .values import COLOUR
 
 
@@ -26,7 +26,6 @@ from .values import COLOUR
 )  # fmt: skip
 @options.overwrite
 @options.quiet
-@options.debug
 def command(
     sources: tuple[Path, ...], output: Path, columns: int, width: int, over: tuple[int, int, int] | None,
     overwrite: bool, quiet: bool,

@@ -11,8 +11,7 @@ from ..common.counted import counted
 from ..common.limits import cores
 from ..errors import MismatchError, UsageError
 from . import options
-from .progress import Talk
-from .say import print_json, say
+from .progress import Talk, print_json, say
 
 if TYPE_CHECKING:
     from ..study.stress.run import Result, Verdict

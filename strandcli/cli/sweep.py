@@ -20,7 +20,7 @@ from ..common.counted import counted
 from ..errors import SimulationError, UsageError
 from ..scene.faults import Fault, SceneError
 from . import completion, options, signals
-from .say import print_json, say
+from .progress import print_json, say
 from .values import Parsed, stepped
 
 TABLE, SHEET = "sweep.csv", "sweep.png"

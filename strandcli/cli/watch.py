@@ -18,8 +18,7 @@ from ..errors import MismatchError, StrandError, UsageError
 from ..files import inputs
 from . import options, signals
 from .preview import Preview
-from .progress import Progress
-from .say import say
+from .progress import Progress, say
 
 if TYPE_CHECKING:
     from ..scene.model import Scene
