@@ -2,7 +2,8 @@
 
 from __future__ import annotations
 
-from collections.abc import Callable, Mapping
+import functools
+from collections.abc import Callable, Iterator, Mapping
 from contextlib import nullcontext
 from pathlib import Path
 from typing import TYPE_CHECKING, Any
@@ -12,20 +13,10 @@ import click
 from ..common.counted import counted
 from ..errors import SimulationError, StrandError
 from ..files import inputs
-from . import options, render_frames, render_options
+from . import options, render_frames, render_options, signals
 from .preview import Preview, preview_option
 from .progress import Progress, Talk, warner
-from .render_frames import (
-    Motion,
-    advised,
-    frame_line,
-    frame_writer,
-    frames_of,
-    interrupted,
-    max_error_option,
-    open_cache,
-    tell,
-)  # fmt: skip
+from .render_frames import advised, frame_line, frame_writer, interrupted, max_error_option, open_cache, tell
 from .sweep import run as run_sweep
 from .sweep import sweep_option
 from .values import FrameRange
@@ -35,6 +26,7 @@ from .watch import watch_option
 if TYPE_CHECKING:
     from ..output.frames import FrameWriter
     from ..output.report import RunReport
+    from ..run.frame import Frame
     from ..scene.model import Scene
 
 
@@ -114,9 +106,9 @@ def command(
     report.picture_error = picture_error
     page = None if no_html else HtmlPage(writer.directory, scene, overwrite)
     shown = Preview(preview)
-    motion = Motion(positions, checkpoint, keep_going, dask)
+    settings = {"threads": threads, "positions": positions, "keep_going": keep_going}
     with page or nullcontext(), talk.progress(len(writer.wanted), label) as progress:
-        data = _run(scene, writer, report, motion, threads, talk.quiet, progress, shown)
+        data = _run(scene, writer, report, (checkpoint, dask), settings, talk.quiet, progress, shown)
     made = render_options.animate(writer, data, animate or (), overwrite or resume, scene.time.fps, ground, talk)
     if page is not None:
         page.write(data, made)
@@ -131,10 +123,11 @@ def _draw(**given: Any) -> None:
 
 
 def _run(
-    scene: Scene, writer: FrameWriter, report: RunReport, motion: Motion, threads: int | None, quiet: bool,
-    progress: Progress, shown: Preview,
+    scene: Scene, writer: FrameWriter, report: RunReport, by: tuple[int | None, str | None], settings: dict[str, Any],
+    quiet: bool, progress: Progress, shown: Preview,
 ) -> dict[str, Any]:  # fmt: skip
-    """Draw what is wanted, and write the report however that ends."""
+    """Draw what is wanted, and write the report however that ends; ``by``: frames between two checkpoints, and the Dask
+    cluster that draws; ``settings``: of `run.pipeline.render`."""
     from ..compiling import runtime
     from ..compiling.service import service
     from ..run import checkpoints
@@ -148,13 +141,14 @@ def _run(
     started = False
     try:
         with writer:
-            past = checkpoints.of_run(writer.directory, motion.checkpoint, warn, progress.note)
+            settings |= {"notify": progress.note, "warn": warn}
+            settings["checkpoints"] = checkpoints.of_run(writer.directory, by[0], warn, progress.note)
             if writer.wanted:
                 if not scene.panels:  # before Numba is imported here, which takes half a second
-                    service.ahead(scene, threads)
-                runtime.start(threads, progress.note)
+                    service.ahead(scene, settings["threads"])
+                runtime.start(settings["threads"], progress.note)
                 started = True
-                for frame in frames_of(scene, writer.wanted, motion, threads, past, progress, warn):
+                for frame in _drawer(by[1])(scene, writer.wanted, **settings):
                     report.add(frame.number, frame.report)
                     if frame.image is not None:  # it is, where draw is not turned off
                         writer.submit(frame.number, frame.image, frame.aovs)
@@ -176,6 +170,17 @@ def _run(
         compiled = runtime.compile_seconds() - before if started else None
         data = _report(report, writer, status, runtime.machine() if started else None, compiled)
     return data
+
+
+def _drawer(dask: str | None) -> Callable[..., Iterator[Frame]]:
+    """What draws frames: this process, or the workers of a Dask cluster."""
+    if dask is None:
+        from ..run.pipeline import render
+
+        return render
+    from ..dask_cluster.cluster import frames_of_cluster
+
+    return functools.partial(frames_of_cluster, address=dask, check=signals.check)
 
 
 def _warn_of_foreign(writer: FrameWriter, warn: Callable[[str], None]) -> None:

@@ -1,17 +1,17 @@
-"""Where the frames of `strandcli render` come from, simulated or of stored positions, drawn here or by the workers of a
-Dask cluster (``--dask``); what takes them; what is said of them; and settings from studies (``--max-error``)."""
+"""Frames of `strandcli render`: the positions that they are drawn of, what takes them, what is said of them; workers of
+a Dask cluster (``--dask``); and settings from studies (``--max-error``)."""
 
 from __future__ import annotations
 
-from collections.abc import Callable, Iterator, Mapping
+from collections.abc import Mapping
 from pathlib import Path
-from typing import TYPE_CHECKING, Any, NamedTuple
+from typing import TYPE_CHECKING, Any
 
 import click
 
 from ..common.counted import counted
 from ..errors import UsageError
-from . import completion, options, signals
+from . import completion, options
 from .progress import Talk, duration, pace, say
 from .values import Parsed, bounds
 
@@ -19,43 +19,7 @@ if TYPE_CHECKING:
     from ..output import positions
     from ..output.frames import FrameWriter
     from ..output.positions import PositionCache
-    from ..run.checkpoints import Checkpoints
-    from ..run.frame import Frame
     from ..scene.model import Scene
-    from .progress import Progress
-
-
-class Motion(NamedTuple):
-    """Where a run's motion comes from, whether it stops where that has gone wrong, and who draws."""
-
-    positions: Any
-    """Those of a cache, by frame number; None where the run simulates."""
-    checkpoint: int | None
-    """Frames between two checkpoints."""
-    keep_going: bool
-    dask: str | None
-    """A cluster's address, or local; None: this process draws."""
-
-
-def frames_of(
-    scene: Scene, numbers: tuple[int, ...], motion: Motion, threads: int | None, earlier: Checkpoints | None,
-    progress: Progress, warn: Callable[[str], None],
-) -> Iterator[Frame]:  # fmt: skip
-    """Frames as they are done."""
-    if motion.dask is not None:
-        from ..dask_cluster.cluster import frames_of_cluster
-
-        return frames_of_cluster(
-            scene, numbers, motion.dask, motion.positions, threads, signals.check, progress.note, warn,
-            keep_going=motion.keep_going, checkpoints=earlier,
-        )  # fmt: skip
-    from ..run import pipeline
-
-    return pipeline.render(
-        scene, numbers, threads=threads, positions=motion.positions, keep_going=motion.keep_going,
-        notify=progress.note, warn=warn,
-        checkpoints=earlier,
-    )  # fmt: skip
 
 
 def frame_writer(

@@ -74,7 +74,7 @@ def connected(address: str, workers: int, warn: Callable[[str], None]) -> Iterat
 
 
 def frames_of_cluster(
-    scene: Scene, numbers: tuple[int, ...], address: str, positions: Any, threads: int | None,
+    scene: Scene, numbers: tuple[int, ...], *, address: str, positions: Any, threads: int | None,
     check: Callable[[], None], notify: Callable[[str], None], warn: Callable[[str], None], **settings: Any,
 ) -> Iterator[Frame]:  # fmt: skip
     """Frames as they are done. ``positions``: by frame number, or None where the scene is simulated here; ``threads``:
