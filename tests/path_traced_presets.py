@@ -26,8 +26,8 @@ from strandcli.run.export import drawn_strands
 from strandcli.run.frame import FrameRenderer
 from strandcli.run.stages import RunOptions, SimulationStage
 from strandcli.scene.motion import camera_at
-from strandcli.study.axes import changed, knows
 from strandcli.study.pictures.subject import LinearRenderer
+from strandcli.study.sweep import changed, knows
 
 SIZE = (320, 240)
 FRAMES = {"hair": 10, "portrait": 1, "ponytail": 20, "fur": 36, "grass": 12}

@@ -6,8 +6,8 @@ from collections.abc import Callable, Mapping
 from typing import Any
 
 from strandcli.study import sweep
-from strandcli.study.axes import Experiment, Request
 from strandcli.study.points import Point, grid
+from strandcli.study.sweep import Experiment, Request
 
 
 class Synthetic(Experiment):

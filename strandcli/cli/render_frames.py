@@ -32,7 +32,7 @@ def frame_writer(
     from ..run.fingerprint import fingerprint
 
     if "mp4" in animate:
-        from ..output.video import ffmpeg
+        from ..output.animation import ffmpeg
 
         ffmpeg()
     return FrameWriter(
@@ -200,7 +200,7 @@ def advised(
     if given["quality"] is not None or "quality" in fixed:
         raise UsageError("--quality: --max-error chooses how finely a picture is drawn; leave one of the two out")
     from ..study.advice import METRICS, advise_picture
-    from ..study.axes import changed
+    from ..study.sweep import changed
 
     name = options.preset_name(preset)
     wanted = {METRICS[one]: most for one, most in asked.items()}

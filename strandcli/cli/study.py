@@ -15,8 +15,7 @@ from .progress import Talk
 from .values import ERROR, count, metres, several, step, word
 
 if TYPE_CHECKING:
-    from ..study.axes import Experiment, Request
-    from ..study.sweep import Study
+    from ..study.sweep import Experiment, Request, Study
 
 ROOM = 1_000_000
 """Bytes that there has to be room for."""
@@ -106,8 +105,7 @@ def command(
 def _requests(
     preset: str | None, reference: tuple[str, ...] | None, axis: str | None, wishes: dict[str, Any]
 ) -> list[Request]:
-    from ..study.axes import Request, chosen_solvers
-    from ..study.sweep import find
+    from ..study.sweep import Request, chosen_solvers, find
 
     overrides, seed = wishes.pop("overrides"), wishes.pop("seed")
     if (preset is None) == (reference is None):

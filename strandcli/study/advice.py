@@ -23,10 +23,10 @@ from ..output.report import finite
 from ..run.fingerprint import fingerprint, motion_values
 from ..scene.model import Scene
 from . import sweep
-from .axes import STRANDS, Request
 from .pictures.frame import FrameStudy
 from .points import described
 from .report import seconds, share
+from .sweep import STRANDS, Request
 
 ADVISED = ("time.substeps", "rod.iterations", "emitter.particles")
 """The parameters of motion that are varied, unless the user has set them."""

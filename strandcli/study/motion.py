@@ -23,8 +23,8 @@ from ..groom.emit import emit
 from ..groom.record import Groom
 from ..scene.model import Scene
 from ..simulate import solver_of
-from .axes import STRANDS, Experiment, Request, changed, chosen_solvers
 from .points import CELL, Limit, Parameters, Point, described, grid, limit
+from .sweep import STRANDS, Experiment, Request, changed, chosen_solvers
 
 PLACES = 33
 """Points a strand that are compared."""

@@ -15,8 +15,8 @@ from PIL import Image
 
 import strandcli
 from cli_runs import ROOT, environment
-from strandcli.study.axes import Request
 from strandcli.study.pictures.subject import Subject
+from strandcli.study.sweep import Request
 
 EXAMPLES = ROOT / "examples"
 PICTURES = {

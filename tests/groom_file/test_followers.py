@@ -20,9 +20,8 @@ from strandcli.scene import SceneError
 from strandcli.scene.model import Scene
 from strandcli.scene.motion import emitter_pose
 from strandcli.study import sweep
-from strandcli.study.axes import Request
 from strandcli.study.motion import Motion
-from strandcli.study.sweep import find
+from strandcli.study.sweep import Request, find
 
 Floats = npt.NDArray[np.float64]
 

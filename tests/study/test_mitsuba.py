@@ -26,8 +26,8 @@ pytest.importorskip("mitsuba", reason="Mitsuba is not installed: make check-agai
 import strandcli
 from path_traced_presets import measured
 from path_tracer import figures, one_strand, seconds_to, trace
-from strandcli.study.axes import Request, changed
 from strandcli.study.pictures.subject import Picture, Subject
+from strandcli.study.sweep import Request, changed
 from tests.reference import chiang as reference
 
 HAIR = """\

@@ -13,9 +13,9 @@ import strandcli
 from cli_runs import Runner
 from strandcli.errors import MismatchError, UsageError
 from strandcli.study import advice, sweep
-from strandcli.study.axes import Request, changed
 from strandcli.study.pictures import windows as module
 from strandcli.study.pictures.windows import Windows, spread
+from strandcli.study.sweep import Request, changed
 
 SMALL = """\
 title: a small brush

@@ -12,10 +12,10 @@ import pytest
 import strandcli
 from cli_runs import Runner
 from strandcli.draw.view.camera import axes
-from strandcli.study.axes import Request, changed, knows
 from strandcli.study.kernels import cylinders
 from strandcli.study.pictures.shadow import ShadingRenderer, ShadowStudy, frames_along, pieces_of
 from strandcli.study.pictures.subject import Subject
+from strandcli.study.sweep import Request, changed, knows
 
 SMALL = """\
 title: a small brush

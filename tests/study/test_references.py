@@ -9,10 +9,10 @@ import math
 import numpy as np
 import pytest
 
-from strandcli.study.axes import Request
 from strandcli.study.points import Point, fitted_order
 from strandcli.study.references import REFERENCES, References, Track, elastica, spring
 from strandcli.study.references import oscillation as modes
+from strandcli.study.sweep import Request
 
 DROOP = {
     0.1: 0.0124996, 1: 0.124562, 3: 0.364621, 10: 1.06680, 30: 2.54721, 100: 5.88810, 300: 11.1831, 1e3: 21.3354,

@@ -12,18 +12,18 @@ import pytest
 
 from strand_kit import scene_of
 from strandcli.errors import MismatchError, UsageError
-from strandcli.study import advice, axes, sweep
-from strandcli.study.axes import changed
+from strandcli.study import advice, sweep
 from strandcli.study.motion import Motion
 from strandcli.study.points import CELL, Point
 from strandcli.study.references import References
+from strandcli.study.sweep import changed
 from study_kit import Synthetic, made
 
 
 def test_every_run_is_counted() -> None:
     steps: list[str] = []
     totals: list[int] = []
-    study = sweep.run(Synthetic, axes.Request(), None, steps.append, totals.append)
+    study = sweep.run(Synthetic, sweep.Request(), None, steps.append, totals.append)
     assert totals == [2 + 32]
     assert len(steps) == 34
     assert len(study.points) == 32
@@ -51,17 +51,17 @@ def test_without_an_error_a_ladder_is_climbed() -> None:
 
 
 def test_the_registry_has_every_axis_by_its_name() -> None:
-    assert {"motion", "reference"} <= set(sweep.AXES)
-    for name, axis in sweep.AXES.items():
+    assert {"motion", "reference"} <= set(sweep.axes())
+    for name, axis in sweep.axes().items():
         assert sweep.find(name) == axis
     with pytest.raises(UsageError, match="axes are"):
         sweep.find("colour")
     with pytest.raises(UsageError, match="solvers are"):
-        axes.chosen_solvers(axes.Request(solvers=("mass_spring",)))
+        sweep.chosen_solvers(sweep.Request(solvers=("mass_spring",)))
 
 
 def test_parameters_can_be_chosen() -> None:
-    wishes = axes.Request(name="elastica", solvers=("rod",), substeps=(2,), iterations=(3,), particles=(8, 9))
+    wishes = sweep.Request(name="elastica", solvers=("rod",), substeps=(2,), iterations=(3,), particles=(8, 9))
     chosen = References(wishes)
     assert chosen.settings() == [
         {"solver": "rod", "emitter.particles": n, "rod.iterations": 3, "dt": 1 / 48} for n in (8, 9)
@@ -84,7 +84,7 @@ def validate_iterations(count: int) -> int:
 
 
 def motion(**wishes: Any) -> Motion:
-    return Motion(axes.Request(scene=scene_of(HANGING), name="hanging", **wishes))
+    return Motion(sweep.Request(scene=scene_of(HANGING), name="hanging", **wishes))
 
 
 def test_the_limit_is_sought_twice_as_fine_as_all_that_is_tried() -> None:
@@ -103,7 +103,7 @@ def test_iterations_are_few_and_as_many_as_the_preset_allows() -> None:
     found = [(one["rod.iterations"], one["time.substeps"]) for one in opened.settings()]
     assert found == [(2, 1), (2, 2), (200, 1), (200, 2)]
     assert opened.finer(opened.solvers[0])[-1]["rod.iterations"] == 400
-    own = Motion(axes.Request(scene=changed(opened.scene, {"rod.iterations": 700}), solvers=("rod",)))
+    own = Motion(sweep.Request(scene=changed(opened.scene, {"rod.iterations": 700}), solvers=("rod",)))
     assert {one["rod.iterations"] for one in own.settings()} == {2, 700}
     finest = own.finer(own.solvers[0])[-1]
     assert validate_iterations(finest["rod.iterations"]) == 1000
@@ -117,7 +117,7 @@ def test_cells_are_varied_where_they_are_named() -> None:
     """The limit has cells half as wide as the least."""
     text = HANGING.replace("[gravity,", "[gravity, interaction: {density: 1.0e+4},") + "solver: rod\n"
     wishes = {"solvers": ("rod",), "substeps": (1,), "iterations": (2,), "particles": (5,)}
-    opened = Motion(axes.Request(scene=scene_of(text), name="hanging", cells=(0.1, 0.2), **wishes))
+    opened = Motion(sweep.Request(scene=scene_of(text), name="hanging", cells=(0.1, 0.2), **wishes))
     assert [one[CELL] for one in opened.settings()] == [0.1, 0.2]
     assert [one[CELL] for one in opened.finer("rod")] == [0.2, 0.1, 0.05]
     opened.prepare(lambda text: None)
@@ -142,13 +142,13 @@ def test_the_thesis_falls_slower_in_smaller_steps_and_is_told_to_have_no_limit()
     """Its speed is g Δt (thesis §2): refining it changes the motion, and the study has to say so."""
     study = sweep.run(
         sweep.find("motion"),
-        axes.Request(scene=scene_of(HANGING), name="hanging", solvers=("thesis",), substeps=(1, 2), strands=20),
+        sweep.Request(scene=scene_of(HANGING), name="hanging", solvers=("thesis",), substeps=(1, 2), strands=20),
         0.01,
     )
     assert study.margins["thesis"] > 0.05
     assert study.recommended == []
     still = scene_of(HANGING.replace("[gravity, elasticity]", "[elasticity]"))
-    request = axes.Request(scene=still, name="still", solvers=("thesis",), substeps=(1, 2), strands=20)
+    request = sweep.Request(scene=still, name="still", solvers=("thesis",), substeps=(1, 2), strands=20)
     at_rest = sweep.run(sweep.find("motion"), request, 0.01)
     assert at_rest.margins["thesis"] == pytest.approx(0, abs=1e-5)
     assert all(point.error["max"] == pytest.approx(0, abs=1e-5) for point in at_rest.points)
@@ -157,7 +157,7 @@ def test_the_thesis_falls_slower_in_smaller_steps_and_is_told_to_have_no_limit()
 def test_panels_are_studied_one_at_a_time() -> None:
     scene = scene_of("panels: [{label: a}, {label: b, set: {seed: 2}}]\n")
     with pytest.raises(UsageError, match="panel"):
-        Motion(axes.Request(scene=scene, name="two"))
+        Motion(sweep.Request(scene=scene, name="two"))
 
 
 def test_rules_that_rods_do_not_take_are_told() -> None:
@@ -165,7 +165,7 @@ def test_rules_that_rods_do_not_take_are_told() -> None:
 
     scene = scene_of(HANGING)
     object.__setattr__(scene, "rules", (*scene.rules, RuleUse("vortex", None, "vortex")))
-    opened = Motion(axes.Request(scene=scene, name="odd", solvers=("rod",)))
+    opened = Motion(sweep.Request(scene=scene, name="odd", solvers=("rod",)))
     assert [one["solver"] for one in opened.absent] == ["rod"]
     assert "vortex" in opened.absent[0]["why"]
 
@@ -196,9 +196,9 @@ def test_advice_is_the_cheapest_that_is_sure() -> None:
 
 def test_finer_settings_are_tried_where_the_usual_will_not_do(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
     """A made-up solver of second order in its substeps, whose limit is known."""
-    asked: list[axes.Request] = []
+    asked: list[sweep.Request] = []
 
-    def study(axis: Any, request: axes.Request, *rest: Any) -> sweep.Study:
+    def study(axis: Any, request: sweep.Request, *rest: Any) -> sweep.Study:
         asked.append(request)
         points = [
             Point({"solver": "rod", "time.substeps": n}, n, {"median": 0.04 / n**2}, "rod")

@@ -9,8 +9,8 @@ from typing import Any
 from ...errors import UsageError
 from ...scene.fields import value_at
 from ...scene.model import Scene
-from ..axes import Experiment, Request, changed, knows
 from ..points import Parameters, Point
+from ..sweep import Experiment, Request, changed, knows
 from .subject import Picture, Subject
 
 

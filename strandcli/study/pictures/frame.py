@@ -19,8 +19,8 @@ from ...errors import RefusedError, UsageError
 from ...output.flip import mean_flip
 from ...plan import checked_plan
 from ...scene.quality import LOOKS, QUALITIES, settings_for, shadowed
-from ..axes import Request, changed
 from ..points import Parameters, Point, grid
+from ..sweep import Request, changed
 from . import Pictures
 from .subject import Picture
 from .windows import Windows

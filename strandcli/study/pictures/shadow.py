@@ -21,9 +21,9 @@ from ...draw.strand_batches import StrandBatch
 from ...errors import UsageError
 from ...groom.emit import PLASTIC
 from ...scene.model import DirectionalLight, Light, Scene
-from ..axes import Request, changed, knows
 from ..kernels import cylinders
 from ..points import Parameters
+from ..sweep import Request, changed, knows
 from . import Pictures
 from .subject import LinearRenderer, Picture
 

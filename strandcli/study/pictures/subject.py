@@ -21,7 +21,7 @@ from ...groom.combed import Combed
 from ...groom.emit import emit
 from ...plan import checked_plan
 from ...scene.model import Scene
-from ..axes import Request, changed
+from ..sweep import Request, changed
 
 STRANDS = 2000
 """Of a preset, where not said otherwise."""

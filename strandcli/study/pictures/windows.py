@@ -17,7 +17,7 @@ from ...draw.strand_batches import StrandBatches, Strands
 from ...draw.view.camera import View
 from ...errors import UsageError
 from ...scene.model import Scene
-from ..axes import Request, changed
+from ..sweep import Request, changed
 from .subject import LinearRenderer, Picture, Subject
 
 SIDE = 32

@@ -9,9 +9,9 @@ from typing import Any
 from ...errors import UsageError
 from ...scene.model import Rod, Scene
 from ...simulate.rod.solver import RodSolver
-from ..axes import Experiment, Request, chosen_solvers
 from ..motion import follow, least
 from ..points import Parameters, Point, grid
+from ..sweep import Experiment, Request, chosen_solvers
 from . import elastica, incline, layer, oscillation, spring, tuft
 from .base import Case, Reference, Track
 

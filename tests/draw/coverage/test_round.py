@@ -22,8 +22,8 @@ from strandcli.draw.view.camera import View, axes
 from strandcli.draw.zbuffer import raster
 from strandcli.groom.blocks import lanes
 from strandcli.scene.model import Material, Scene
-from strandcli.study.axes import changed
 from strandcli.study.pictures.subject import LinearRenderer
+from strandcli.study.sweep import changed
 from tests.draw.geometry.test_detail import positions_of
 from tests.reference import chiang as chiang_reference
 

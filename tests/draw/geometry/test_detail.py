@@ -17,8 +17,8 @@ from strandcli.groom.children import Children
 from strandcli.plan import make_plan
 from strandcli.scene.detail import near_of, needed_strands, share_at, share_bounds, strands_needed, tiers
 from strandcli.scene.model import Scene
-from strandcli.study.axes import changed
 from strandcli.study.pictures.subject import LinearRenderer
+from strandcli.study.sweep import changed
 
 SCENE = """
 emitter: {strands: 1000, particles: 3, shape: {kind: sphere, radius: 0.5}, length: 0.3}
