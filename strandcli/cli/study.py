@@ -70,7 +70,7 @@ def command(
     such. Exit code 3: no setting stays under --max-error.
     """
     options.exclusive(dt=bool(wishes["steps"]), substeps=bool(wishes["substeps"]))
-    from ..study.sweep import find
+    from ..study import find
 
     requests = _requests(preset, reference, axis, wishes)
     folder = output or Path("out", "study")

@@ -23,6 +23,7 @@ from ..output.report import finite
 from ..run.fingerprint import fingerprint, motion_values
 from ..scene.model import Scene
 from . import sweep
+from .motion import Motion
 from .pictures.frame import FrameStudy
 from .points import described
 from .report import seconds, share
@@ -71,7 +72,7 @@ def advise(scene: Scene, name: str, max_error: float, fixed: Sequence[str], step
 
         def study(chosen: Mapping[str, Any] = chosen) -> dict[str, Any]:
             request = Request(scene=scene, name=name, solvers=(scene.solver,), fixed=frozenset(fixed), **chosen)
-            found = sweep.run(sweep.find("motion"), request, None, step, begin)
+            found = sweep.run(Motion, request, None, step, begin)
             return {**found.as_dict(), "margin": found.margins[scene.solver]}
 
         data, reused = cached("motion", motion_of(scene, {**chosen, "fixed": sorted({*fixed} & {*ADVISED})}), study)

@@ -1,7 +1,7 @@
 """Studies: what a person can ask of one, an axis, which makes an `Experiment` of that, and how it is carried out:
 reference first, then every setting; then what follows from the figures.
 
-An axis of another kind is one more class of experiment, and one entry in `axes`.
+An axis of another kind is one more class of experiment, and one entry in `strandcli.study.axes`.
 """
 
 from __future__ import annotations
@@ -10,7 +10,6 @@ import dataclasses
 from abc import ABC, abstractmethod
 from collections.abc import Callable, Mapping, Sequence
 from dataclasses import dataclass
-from functools import cache
 from typing import Any
 
 from ..errors import UsageError
@@ -134,24 +133,6 @@ def knows(scene: Scene, path: str, value: Any = None) -> bool:
         inner = getattr(node, settings[part].attribute)
         node = made(node, part) if inner is None else inner
     return value is None or not isinstance(spec, ChoiceSpec) or value in spec.options
-
-
-@cache
-def axes() -> Mapping[str, type[Experiment]]:
-    """The axes that there are, by name."""
-    from .motion import Motion
-    from .pictures.frame import CoverageStudy, QualityStudy
-    from .pictures.shadow import ShadowStudy
-    from .references import References
-
-    return {one.axis: one for one in (Motion, References, CoverageStudy, ShadowStudy, QualityStudy)}
-
-
-def find(name: str) -> type[Experiment]:
-    """An axis by name. Raises `UsageError`."""
-    if name not in axes():
-        raise UsageError(f"no axis '{name}'; the axes are {', '.join(axes())}")
-    return axes()[name]
 
 
 @dataclass

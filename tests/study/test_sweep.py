@@ -12,7 +12,7 @@ import pytest
 
 from strand_kit import scene_of
 from strandcli.errors import MismatchError, UsageError
-from strandcli.study import advice, sweep
+from strandcli.study import advice, axes, find, sweep
 from strandcli.study.motion import Motion
 from strandcli.study.points import CELL, Point
 from strandcli.study.references import References
@@ -51,11 +51,11 @@ def test_without_an_error_a_ladder_is_climbed() -> None:
 
 
 def test_the_registry_has_every_axis_by_its_name() -> None:
-    assert {"motion", "reference"} <= set(sweep.axes())
-    for name, axis in sweep.axes().items():
-        assert sweep.find(name) == axis
+    assert {"motion", "reference"} <= set(axes())
+    for name, axis in axes().items():
+        assert find(name) == axis
     with pytest.raises(UsageError, match="axes are"):
-        sweep.find("colour")
+        find("colour")
     with pytest.raises(UsageError, match="solvers are"):
         sweep.chosen_solvers(sweep.Request(solvers=("mass_spring",)))
 
@@ -141,7 +141,7 @@ def test_strands_of_a_study_are_the_first_of_the_groom() -> None:
 def test_the_thesis_falls_slower_in_smaller_steps_and_is_told_to_have_no_limit() -> None:
     """Its speed is g Δt (thesis §2): refining it changes the motion, and the study has to say so."""
     study = sweep.run(
-        sweep.find("motion"),
+        find("motion"),
         sweep.Request(scene=scene_of(HANGING), name="hanging", solvers=("thesis",), substeps=(1, 2), strands=20),
         0.01,
     )
@@ -149,7 +149,7 @@ def test_the_thesis_falls_slower_in_smaller_steps_and_is_told_to_have_no_limit()
     assert study.recommended == []
     still = scene_of(HANGING.replace("[gravity, elasticity]", "[elasticity]"))
     request = sweep.Request(scene=still, name="still", solvers=("thesis",), substeps=(1, 2), strands=20)
-    at_rest = sweep.run(sweep.find("motion"), request, 0.01)
+    at_rest = sweep.run(find("motion"), request, 0.01)
     assert at_rest.margins["thesis"] == pytest.approx(0, abs=1e-5)
     assert all(point.error["max"] == pytest.approx(0, abs=1e-5) for point in at_rest.points)
 
