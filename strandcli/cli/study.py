@@ -72,7 +72,8 @@ def command(
     options.exclusive(dt=bool(wishes["steps"]), substeps=bool(wishes["substeps"]))
     from ..study import find
 
-    requests = _requests(preset, reference, axis, wishes)
+    chosen = find("reference" if preset is None else "motion" if axis is None else axis)
+    requests = _requests(preset, reference, axis, chosen, wishes)
     folder = output or Path("out", "study")
     for request in requests:
         for kind in KINDS:
@@ -83,7 +84,6 @@ def command(
     from ..study import report, sweep
 
     require_folder(folder, ROOM)
-    chosen = find("reference" if preset is None else "motion" if axis is None else axis)
     studies = []
     with talk.compiled(1, "study", threads, each="run", lines=True) as progress:
         for request in requests:
@@ -103,9 +103,10 @@ def command(
 
 
 def _requests(
-    preset: str | None, reference: tuple[str, ...] | None, axis: str | None, wishes: dict[str, Any]
-) -> list[Request]:
-    from ..study.sweep import Request, chosen_solvers, find
+    preset: str | None, reference: tuple[str, ...] | None, axis: str | None, chosen: type[Experiment],
+    wishes: dict[str, Any],
+) -> list[Request]:  # fmt: skip
+    from ..study.sweep import Request, chosen_solvers
 
     overrides, seed = wishes.pop("overrides"), wishes.pop("seed")
     if (preset is None) == (reference is None):
@@ -126,7 +127,6 @@ def _requests(
         requests = [Request(name=name, **wishes) for name in names]
     else:
         assert preset is not None
-        chosen = find("motion" if axis is None else axis)
         if chosen.axis == "reference":
             raise UsageError(f"axis {axis}: studies no preset; leave out --axis and name a --reference")
         _refuse_foreign(chosen, wishes)
