@@ -35,17 +35,16 @@ def command(name: Path, groom: Path | None, head: Path | None, overwrite: bool, 
     """
     path = preset_file(name)
     options.refuse_existing(path, overwrite)
-    from .. import new_preset as placing
-    from ..new_preset.text import text
+    from .. import new_preset as new
     from ..output.files import write_pieces
 
-    on = None if head is None else placing.mesh(_there(head, "--head"), path)
+    on = None if head is None else new.mesh(_there(head, "--head"), path)
     warning, placed = None, None
     if groom is not None and on is not None and head is not None:
-        placed, warning = placing.strands_on(_there(groom, "--groom"), on, head, path)
+        placed, warning = new.strands_on(_there(groom, "--groom"), on, head, path)
     elif groom is not None:
-        placed = placing.strands(_there(groom, "--groom"), path)
-    write_pieces(path, [text(_title(groom, head), path.name, path.stem, placed, on).encode()])
+        placed = new.strands(_there(groom, "--groom"), path)
+    write_pieces(path, [new.text(_title(groom, head), path.name, path.stem, placed, on).encode()])
     if warning is not None:
         say(f"warning: {warning}", err=True)
     if not quiet:
