@@ -56,8 +56,9 @@ def mesh(path: Path, preset: Path) -> Placed:
     guess = data["guess"]
     names = {one["name"] for one in data["attributes"] if one["domain"] == "vertex"}
     density = next((name for name in DENSITIES if name in names), None)
-    up = (guess["up"], "it stands on a flat side")
-    return _placed(named(path, preset), data, up, guess["unit"], HEAD_SIZE, density)
+    return _placed(
+        named(path, preset), data, (guess["up"], "it stands on a flat side"), guess["unit"], HEAD_SIZE, density
+    )
 
 
 def strands(path: Path, preset: Path) -> Placed:
@@ -289,10 +290,8 @@ def _on_mesh(head: Placed) -> str:
     roots = f"    above: {0.12 * head.size:.3g}           # metres: strands grow above this height"
     if head.density is not None:
         roots = f"    density: {json.dumps(head.density)}   # an attribute of its vertices; nothing grows where it is 0"
-    shape = _filled(ON_MESH, head, ROOTS=roots)
-    return _filled(
-        EMITTER, SHAPE=shape, STRANDS="800", LENGTH=f"{0.8 * head.size:.2g}", COMB="[0.5, -0.6, -0.6]", LIFT="15"
-    )
+    shape, length = _filled(ON_MESH, head, ROOTS=roots), f"{0.8 * head.size:.2g}"
+    return _filled(EMITTER, SHAPE=shape, STRANDS="800", LENGTH=length, COMB="[0.5, -0.6, -0.6]", LIFT="15")
 
 
 def _children(size: float) -> str:
