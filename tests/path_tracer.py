@@ -171,7 +171,6 @@ def _write(subject: Subject, folder: Path, depth: int, strands: Strands | None) 
             knots = SCALE * spline(one)[::-1]
             file.write("\n".join(" ".join(f"{number:.8g}" for number in knot) for knot in knots) + "\n\n")
     tables = chiang.build_tables(material)
-    assert tables is not None
     (folder / "scene.json").write_text(json.dumps({
         "depth": depth, "radius": SCALE * material.width / 2, "size": scene.image.size, "fov": camera.fov,
         "up": camera.up,

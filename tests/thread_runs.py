@@ -32,8 +32,6 @@ class Drawer:
 
     def hashes(self, **job: Any) -> list[str]:
         """What `draw` finds with each number of threads."""
-        assert self._process.stdin is not None
-        assert self._process.stdout is not None
         self._process.stdin.write(json.dumps(job) + "\n")
         self._process.stdin.flush()
         line = self._process.stdout.readline()
@@ -51,7 +49,6 @@ def draw(preset: str, overrides: list[str], settings: dict[str, Any], shadow_siz
         sizes = {f"lights.{i}.shadow.size": shadow_size for i in range(len(scene.lights))}
         scene = strandcli.load(preset, overrides, settings | sizes)
     (frame,) = strandcli.render(scene, [1], threads=threads)
-    assert frame.image is not None
     found = hashlib.sha256(frame.image.tobytes())
     for name in sorted(frame.aovs):
         found.update(frame.aovs[name].tobytes())

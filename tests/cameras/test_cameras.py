@@ -208,14 +208,8 @@ def test_views_that_cannot_be_drawn_are_refused(changes: dict[str, Any], tmp_pat
 def test_unknown_files_are_refused(tmp_path: Path) -> None:
     path = tmp_path / "cameras.npz"
     path.write_bytes(b"PK\3\4 nothing")
-    for one in (path, tmp_path / "absent.json", tmp_path, tmp_path / "views.usda"):
-        if one.suffix == ".usda":
-            one.write_text("#usda 1.0")
+    (tmp_path / "views.usda").write_text("#usda 1.0")
+    (tmp_path / "empty").mkdir()
+    for one in (path, tmp_path / "absent.json", tmp_path / "empty", tmp_path / "views.usda"):
         with pytest.raises(UsageError, match=str(one)):
-            views_of(one, (10, 10)) if one != tmp_path else views_of(_emptied(tmp_path))
-
-
-def _emptied(path: Path) -> Path:
-    for one in path.iterdir():
-        one.unlink()
-    return path
+            views_of(one, (10, 10))

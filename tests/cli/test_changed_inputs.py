@@ -44,7 +44,6 @@ def meanwhile(monkeypatch: pytest.MonkeyPatch, act: Callable[[], object]) -> Non
 
 def warnings(folder: str) -> list[str]:
     data = read_report(Path(folder))
-    assert data is not None
     assert data["status"] == "complete"
     return [one for one in data.get("warnings", []) if WORDS in one]
 

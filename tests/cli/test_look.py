@@ -52,7 +52,6 @@ def test_kitty_and_iterm2_are_handed_the_pictures_png(size: tuple[int, int]) -> 
     assert all(len(data) <= shown.CHUNK for _, data in pieces)
     assert [keys.rpartition("m=")[2] for keys, _ in pieces] == ["1"] * (len(pieces) - 1) + ["0"]
     inline = re.fullmatch(r"\x1b\]1337;File=inline=1;size=(\d+);[^:]*:(.*)\x07\n", shown.iterm2(image))
-    assert inline is not None
     for text in ("".join(data for _, data in pieces), inline[2]):
         data = base64.b64decode(text)
         assert np.array_equal(np.asarray(Image.open(io.BytesIO(data))), image)
@@ -102,7 +101,6 @@ def test_a_preview_goes_to_terminals_alone_unless_a_kind_is_named(run: Runner) -
 
 def lines_of(process: subprocess.Popen[str], word: str) -> str:
     """The next line on stderr that holds a word."""
-    assert process.stderr is not None
     for line in process.stderr:
         if word in line:
             return line

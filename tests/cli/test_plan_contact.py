@@ -5,7 +5,7 @@ from __future__ import annotations
 import pytest
 
 from strandcli.cli.main import main
-from strandcli.plan import Plan, make_plan
+from strandcli.plan import make_plan
 from strandcli.scene import load
 from strandcli.simulate.rules import registry
 
@@ -29,12 +29,9 @@ def test_contact_that_rods_refuse(settings: tuple[str, ...], words: str, capsys:
 def test_contact_takes_memory_where_strands_are_many() -> None:
     """290 bytes a particle, 32 a cell that a segment lies in, about four, and 50 a pair of boxes that meet."""
     for strands, more in ((200, 1e6), (20_000, 105e6)):
+        few = (f"emitter.strands={strands}", "solver=rod")
         plain, touching = (
-            plan_of("minimal", f"emitter.strands={strands}", "solver=rod", f"rules=[gravity{rule}]").memory_bytes
+            make_plan(load("minimal", rules=registry(), overrides=(*few, f"rules=[gravity{rule}]")), [1]).memory_bytes
             for rule in ("", ", {contact: {}}")
         )
         assert abs(touching - plain - more) < 20e6, strands
-
-
-def plan_of(preset: str, *overrides: str) -> Plan:
-    return make_plan(load(preset, rules=registry(), overrides=overrides), [1])

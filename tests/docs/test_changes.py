@@ -2,27 +2,14 @@
 
 from __future__ import annotations
 
-import importlib.util
 from pathlib import Path
-from typing import Any
 
 import pytest
 
+from changes import fold as program
 from pages import ROOT
 
 MOST_WORDS = 1500
-
-
-def load_program() -> Any:
-    spec = importlib.util.spec_from_file_location("changes_fold", ROOT / "changes/fold.py")
-    assert spec is not None
-    assert spec.loader is not None
-    module = importlib.util.module_from_spec(spec)
-    spec.loader.exec_module(module)
-    return module
-
-
-program = load_program()
 
 
 def test_each_change_is_a_line_and_the_changelog_short() -> None:

@@ -158,7 +158,6 @@ def test_the_table_of_qualities_is_theirs() -> None:
     """docs/presets.md has a row a setting, a column a quality; an empty cell is a dash."""
     page = (ROOT / "docs/presets.md").read_text(encoding="utf-8")
     table = re.search(r"\| key \| `draft` .*?\n\|[-|]+\n((?:\|.*\n)+)", page)
-    assert table is not None
     rows = [[cell.strip(" `") for cell in line.strip("|").split("|")] for line in table[1].splitlines()]
     for column, quality in enumerate(("draft", "default", "best"), 1):
         told = {row[0]: row[column] for row in rows if row[column] != "–"}

@@ -2,26 +2,14 @@
 
 from __future__ import annotations
 
-import importlib.util
 import json
 import re
 from typing import Any
 
 import pytest
 
+from docs import figures as program
 from pages import ROOT
-
-
-def load_program() -> Any:
-    spec = importlib.util.spec_from_file_location("docs_figures", ROOT / "docs/figures.py")
-    assert spec is not None
-    assert spec.loader is not None
-    module = importlib.util.module_from_spec(spec)
-    spec.loader.exec_module(module)
-    return module
-
-
-program = load_program()
 
 
 @pytest.mark.parametrize("page", program.PAGES, ids=lambda page: page.stem)

@@ -175,14 +175,6 @@ lights: [{kind: directional, direction: [0, -1, 0], shadow: {model: 'off'}}]
     assert np.abs(image[39, 20] - sky[39]).max() > 40
 
 
-def test_supersampling_takes_more_samples_of_the_same_view() -> None:
-    text = HAIR % (60, 2, [0, -1, -1])
-    one, four = (frames_of(scene_of(text.replace("size:", f"supersample: {k}, size:")), 1)[0] for k in (1, 4))
-    assert four.image.shape == one.image.shape
-    assert four.report["counts"]["fragments"] > 10 * one.report["counts"]["fragments"] / 4
-    assert len(np.unique(four.image[..., 0])) > len(np.unique(one.image[..., 0]))
-
-
 BALL = """
 emitter: {strands: 20, particles: 3}
 solids: [{kind: sphere, radius: 0.2%s}]

@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-import importlib.util
 import json
 import subprocess
 import sys
@@ -15,6 +14,8 @@ from PIL import Image
 
 import strandcli
 from cli_runs import ROOT, environment
+from examples import against_pyelastica as example
+from examples import dataset
 from strandcli.study.pictures.subject import Subject
 from strandcli.study.sweep import Request
 
@@ -59,28 +60,8 @@ def test_guides_are_compared_with_all_strands(tmp_path: Path) -> None:
     assert lines[0].split()[2] == "0.000"  # all strands beside themselves
 
 
-def loaded(name: str) -> Any:
-    spec = importlib.util.spec_from_file_location(name, EXAMPLES / f"{name}.py")
-    assert spec is not None
-    assert spec.loader is not None
-    module = importlib.util.module_from_spec(spec)
-    sys.modules[name] = module  # dataclasses look their module up
-    spec.loader.exec_module(module)
-    return module
-
-
-@pytest.fixture(scope="module")
-def example() -> Any:
-    return loaded("against_pyelastica")
-
-
-@pytest.fixture(scope="module")
-def dataset() -> Any:
-    return loaded("dataset")
-
-
 def test_without_pyelastica_one_line_says_what_to_install(
-    example: Any, monkeypatch: pytest.MonkeyPatch, capsys: pytest.CaptureFixture[str]
+    monkeypatch: pytest.MonkeyPatch, capsys: pytest.CaptureFixture[str]
 ) -> None:
     monkeypatch.setitem(sys.modules, "elastica", None)
     assert example.main([]) == 1
@@ -89,7 +70,7 @@ def test_without_pyelastica_one_line_says_what_to_install(
     assert told.err == "PyElastica is not installed here: pip install pyelastica\n"
 
 
-def test_a_strand_comes_to_rest_near_the_elastica_and_nearer_with_more_segments(example: Any) -> None:
+def test_a_strand_comes_to_rest_near_the_elastica_and_nearer_with_more_segments() -> None:
     few, more = (example.of_strandcli(10.0, segments, 3) for segments in (9, 18))
     assert few.error == pytest.approx(0.0102, rel=0.05)
     assert 3.5 < few.error / more.error < 4.5
@@ -97,7 +78,7 @@ def test_a_strand_comes_to_rest_near_the_elastica_and_nearer_with_more_segments(
     assert example.off((0.0, 0.0, 0.0), 10.0) == pytest.approx(0.958, abs=0.002)
 
 
-def test_a_step_is_stable_where_the_next_smaller_one_agrees(example: Any) -> None:
+def test_a_step_is_stable_where_the_next_smaller_one_agrees() -> None:
     def run(step: float, error: float) -> Any:
         return example.Run("PyElastica", 10, step, 1, error, 1.0)
 
@@ -109,7 +90,7 @@ def test_a_step_is_stable_where_the_next_smaller_one_agrees(example: Any) -> Non
 SMALL = ["--size", "64", "48", "--strands", "300"]
 
 
-def test_a_small_set(dataset: Any, tmp_path: Path, capsys: pytest.CaptureFixture[str]) -> None:
+def test_a_small_set(tmp_path: Path, capsys: pytest.CaptureFixture[str]) -> None:
     whole, part = tmp_path / "whole", tmp_path / "part"
     assert dataset.main(["--count", "2", "-o", str(whole), *SMALL]) == 0
     listed = json.loads((whole / "dataset.json").read_text())
@@ -151,7 +132,7 @@ def check_sample(folder: Path, sample: dict[str, Any]) -> None:
     assert (off < 0.6 * spacing + 1.5 * there / k[0, 0]).all()
 
 
-def test_bad_input_is_one_line(dataset: Any, tmp_path: Path, capsys: pytest.CaptureFixture[str]) -> None:
+def test_bad_input_is_one_line(tmp_path: Path, capsys: pytest.CaptureFixture[str]) -> None:
     with pytest.raises(SystemExit) as ended:
         dataset.main(["--count", "0"])
     assert ended.value.code == 2

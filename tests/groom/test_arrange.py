@@ -92,9 +92,6 @@ def test_pictures_are_the_same() -> None:
         frame = frames_of(scene, 2)[0]
         with patch("strandcli.run.stages.arranged", lambda groom, ends: groom):
             plain = frames_of(scene, 2)[0]
-        assert frame.image is not None
-        assert frame.aovs is not None
-        assert plain.aovs is not None
         assert frame.report["counts"]["strands"] == plain.report["counts"]["strands"]
         assert np.abs(frame.image.astype(int) - plain.image).max() <= 1
         same = frame.aovs["strand_id"] == plain.aovs["strand_id"]

@@ -218,7 +218,6 @@ def test_a_run_goes_on_with_the_children_that_are_left() -> None:
         scene_of(SCENE + "image: {size: [40, 30]}\n"), camera=Camera(position=(0, 1.2, 1.5), target=(0, 1.2, 0))
     )
     (before,) = frames_of(scene, 1)
-    assert before.positions is not None
     lost = before.positions.copy()
     lost[7] = np.nan
     (after,) = frames_of(scene, 1, positions=lambda number: lost, keep_going=True)

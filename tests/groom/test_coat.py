@@ -47,7 +47,6 @@ def rows_of(groom: Groom) -> np.ndarray:
 
 def test_strands_have_the_colour_at_their_roots(tmp_path: Path) -> None:
     groom = grown(ball(tmp_path / "ball.ply"))
-    assert groom.colours is not None
     light = groom.colours[rows_of(groom) // groom.shades]
     wanted = np.column_stack([0.5 + 0.5 * groom.roots[:, :2], np.full(COUNT, 0.3)])
     away = np.abs(light - wanted).max(axis=1)
@@ -79,7 +78,6 @@ def test_colours_vary_as_the_material_does() -> None:
     colours = np.array([[0.2, 0.1, 0.05], [0.9, 0.8, 0.7]], np.float32)
     material = Material(model="chiang", colour=(0.4, 0.4, 0.4), tip_colour=(0.2, 0.4, 0.4), colour_variation=0.5)
     table = Palette(material, False, colours, 2).tint
-    assert table is not None
     first = table[0, :, :3]
     np.testing.assert_allclose(first[1] / first[0], 1.5, rtol=1e-5)  # the shades -1/2 and 1/2 of 1.5 to that power
     np.testing.assert_allclose(first[:2].prod(axis=0), colours[0] ** 2, rtol=1e-5)

@@ -79,7 +79,6 @@ def test_roots_of_children_follow(tmp_path: Path) -> None:
     scene = scene_of(tmp_path, MATRIX, "children: {count: 3}\n")
     guides = arranged(emit(scene.emitter, scene.seed))
     children = Children(scene, guides)
-    assert children._deforming is not None
     start, end = children._deforming.roots(0.0), children._deforming.roots(1.0)
     np.testing.assert_allclose(start, children.every.roots, atol=1e-6)
     np.testing.assert_allclose(end, start @ MATRIX.T + SHIFT, atol=1e-7)

@@ -72,7 +72,6 @@ def test_roots_lie_on_their_triangles(ball: str) -> None:
     groom = grown(ball)
     mesh = seedbed(MeshShape(file=ball)).mesh
     anchors = groom.anchors
-    assert anchors is not None
     assert (anchors.shares >= 0).all()
     np.testing.assert_allclose(anchors.shares.sum(axis=1), 1, atol=1e-12)
     np.testing.assert_allclose(at_anchors(mesh, anchors)[0], groom.roots, atol=1e-6)
@@ -106,7 +105,6 @@ def test_density_is_linear_on_a_triangle(tmp_path: Path) -> None:
     vertices = np.array([[0.0, 0, 0], [2, 0, 0], [0, 0, -3]])
     file = write(tmp_path / "one.ply", vertices, np.array([[0, 1, 2]]), ramp=np.array([0.0, 0, 1]))
     groom = grown(file, density="ramp")
-    assert groom.anchors is not None
     third = np.sort(groom.anchors.shares[:, np.argmin(seedbed(MeshShape(file=file)).mesh.vertices[:, 2])])
     exact = third**2 * (3 - 2 * third)
     assert np.abs(exact - (np.arange(COUNT) + 0.5) / COUNT).max() < 0.005

@@ -55,7 +55,6 @@ def test_a_bundle_is_as_wide_as_asked_and_evenly_full_along_each_direction() -> 
     """In each direction from the tie, whose own rim may be near or far, strands are even by area."""
     emitter = emitter_of(strands=40_000)
     groom, chart, tie = emit(emitter, 0), chart_of(emitter), emitter.tie
-    assert tie is not None
     across = groom.roots.astype(float) - chart.foot - tie.lift * chart.normal
     assert np.abs(across @ chart.normal).max() < 1e-7
     away = np.linalg.norm(across, axis=1) / tie.radius
@@ -143,20 +142,17 @@ def test_a_frame_of_tied_strands_covers_the_scalp_and_solvers_know_only_what_han
     (frame,) = frames_of(tied, 25)
     bound = emit(tied.emitter, tied.seed)
     rotation, shift = (np.array(part) for part in emitter_pose(tied.emitter, 1.0))
-    assert frame.positions is not None
     assert frame.positions.shape == (300, 6, 3)
     np.testing.assert_allclose(frame.positions[:, 0], bound.roots @ rotation.T + shift, atol=1e-6)
     assert frame.report["counts"]["particles"] == 300 * (TIED + 6)
     assert "combed" in frame.report["seconds"]
     assert frame.report["error"]["stretch_max"] < 1e-3
-    assert frame.aovs is not None
     # the front of the head, which nothing hangs over, is covered
     ball = frame.aovs["mask"][20:40, 30:50]
     assert (ball > 0.3).mean() > 0.5
     children = dataclasses.replace(tied, children=dataclasses.replace(scene_of("children: {}").children, count=4))
     (more,) = frames_of(children, 25)
     assert more.report["counts"]["strands"] == 1200
-    assert more.aovs is not None
     assert more.aovs["mask"][20:40, 30:50].mean() > ball.mean()
 
 
@@ -233,7 +229,6 @@ def made() -> tuple[NDArray[np.float64], NDArray[np.float64]]:
     """Where wisps grow, (K, 3), and where they are, (K, ROWS, 3)."""
     emitter = emitter_of(tie=WISPS)
     groom = emit(emitter, 0)
-    assert groom.grown is not None
     rng = np.random.default_rng(1)
     roots = groom.grown[chosen(emitter, groom, rng.random(4000))]
     lots = rng.random((len(roots), 4))
@@ -279,7 +274,6 @@ def test_they_are_drawn_in_place_of_what_is_tied_and_move_with_the_emitter() -> 
     now, tied = joined(scene, groom, 1.0), joined(none, groom, 1.0)
     np.testing.assert_array_equal(now[rest], tied[rest])
     rotation, shift = (np.array(part) for part in emitter_pose(scene.emitter, 1.0))
-    assert groom.grown is not None
     np.testing.assert_allclose((now[short, 1] - shift) @ rotation, groom.grown[short], atol=1e-7)
     rotation, shift = (np.array(part) for part in emitter_pose(scene.emitter, 0.0))
     first = (joined(scene, groom, 0.0) - shift) @ rotation

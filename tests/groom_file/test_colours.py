@@ -26,10 +26,8 @@ def test_each_strand_has_its_colour(tmp_path: Path, count: int) -> None:
     colours = np.random.default_rng(count).random((2000, 3)).astype(np.float32)[np.arange(2000) % count]
     path = coloured(tmp_path / "a.hair", hanging([5] * 2000), colours)
     given = scene(path)
-    assert given.emitter.groom is not None
     found = from_file(given.emitter.groom, 0)
     groom = found.groom
-    assert groom.colours is not None
     rows = np.rint((groom.tones + 1) / 2 * (len(groom.colours) - 1)).astype(int)
     own = groom.colours[rows]
     assert np.abs(groom.emitted(own) - colours).max() < (1e-6 if count < 256 else 0.4)
@@ -81,6 +79,5 @@ def test_colours_that_are_none_are_left_out(tmp_path: Path) -> None:
     white = coloured(tmp_path / "a.hair", hanging([5] * 40), np.ones((40, 3)))
     some = coloured(tmp_path / "b.hair", hanging([5] * 40), np.random.default_rng(1).random((40, 3)))
     for given in (scene(white), scene(some, **{"emitter.groom.colours": "none"})):
-        assert given.emitter.groom is not None
         assert from_file(given.emitter.groom, 0).groom.colours is None
         assert given.material.pigment == "brown"

@@ -46,7 +46,6 @@ def follow(children: Followers, positions: npt.NDArray[np.float32], at: float = 
     """The strands in the order of the file, (k, points, 3)."""
     out, _ = children.grow(positions, positions, at, children.select(positions)[1], Scratch())
     rows = unpack(out, children.groom.strands)[:, 1:]
-    assert children.groom.places is not None
     return rows[np.argsort(children.groom.places)]
 
 
@@ -149,8 +148,6 @@ def test_a_parting_is_not_blended(tmp_path: Path) -> None:
 def test_guides_are_told_with_how_far_they_are_off(tmp_path: Path) -> None:
     path = write(tmp_path / "a.data", curls(200))
     few, many = (moving(path, emitter__particles=n).emitter.followers for n in (6, 60))
-    assert few is not None
-    assert many is not None
     assert 0.2 > few.deviation_share > 10 * many.deviation_share > 0
     assert few.deviation == pytest.approx(few.deviation_share * 0.25, rel=0.5)
 

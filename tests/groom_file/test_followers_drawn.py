@@ -20,8 +20,6 @@ def test_points_are_thinned_to_pixels_where_curves_are(tmp_path: Path) -> None:
     fine, coarse = (moving(path, curves__tolerance=pixels, image__size=(400, 300)) for pixels in (0.1, 1.0))
     everything = moving(path, curves__mode="off")
     for given in (fine, coarse):
-        assert given.emitter.followers is not None
-        assert everything.emitter.followers is not None
         assert given.curves.mode == "off"
         assert given.emitter.followers.points < everything.emitter.followers.points == 200
         rows = drawn(given, 1).astype(float)
@@ -30,8 +28,6 @@ def test_points_are_thinned_to_pixels_where_curves_are(tmp_path: Path) -> None:
             t = np.einsum("psk,sk->ps", own[:, None] - begin, way) / (way * way).sum(1)
             off = np.linalg.norm(own[:, None] - begin - np.clip(t, 0, 1)[..., None] * way, axis=2).min(1).max()
             assert off <= given.emitter.followers.tolerance
-    assert fine.emitter.followers is not None
-    assert coarse.emitter.followers is not None
     assert fine.emitter.followers.points > coarse.emitter.followers.points
     assert coarse.emitter.followers.tolerance == pytest.approx(10 * fine.emitter.followers.tolerance)
 
@@ -42,7 +38,6 @@ def test_level_of_detail_draws_fewer_and_covers_as_much(tmp_path: Path) -> None:
     whole = moving(path, **settings)
     pixels = 2 * whole.material.width / pixel(whole)
     fewer = moving(path, detail={"pixels": pixels}, **settings)
-    assert fewer.emitter.followers is not None
     assert 600 < fewer.emitter.followers.drawn < 2400
     pictures = [next(pipeline.render(one, [3])) for one in (whole, fewer)]
     assert pictures[0].report["counts"]["strands"] == 3000
@@ -74,7 +69,6 @@ def test_a_cache_holds_guides_and_draws_the_same(tmp_path: Path, run: Runner) ->
     given = moving(path, emitter__groom__guides=25)
     frames = list(pipeline.render(given, [1, 3], keep_positions=True))
     kept = {frame.number: frame.positions for frame in frames}
-    assert kept[3] is not None
     assert kept[3].shape == (25, 12, 3)
     again = list(pipeline.render(given, [1, 3], positions=kept.__getitem__))  # type: ignore[arg-type]
     for one, other in zip(frames, again, strict=True):

@@ -53,7 +53,6 @@ def still(given: Scene, frame: int) -> np.ndarray:
     """Strands that are not simulated, in the order of the file, at a frame."""
     stage = SimulationStage(given, [frame], None, RunOptions())
     moved = stage.begin(frame)
-    assert moved.ids is not None
     return unpack(moved.positions[:, 1:], stage.groom.strands)[np.argsort(moved.ids)]
 
 

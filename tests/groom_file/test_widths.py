@@ -55,7 +55,6 @@ def test_strands_have_the_widths_of_the_file(tmp_path: Path) -> None:
     given = scene(path, emitter__groom__scale=2.0)
     assert given.material.width == pytest.approx(0.05)
     groom = from_file(given.emitter.groom, given.seed).groom  # type: ignore[arg-type]
-    assert groom.widths is not None
     assert groom.widths.shares is None
     assert groom.emitted(groom.widths.scale) == pytest.approx([1.6] * 30 + [0.4] * 30)
     alike = tmp_path / "b.hair"
@@ -145,9 +144,7 @@ def test_strands_that_follow_have_the_widths_of_their_points(tmp_path: Path) -> 
     files.write(tmp_path / "a.npz", with_widths(strands, widths))
     given = moving(tmp_path / "a.npz", emitter__groom__guides=10)
     known = given.emitter.followers
-    assert known is not None
     assert known.points < 200
-    assert given.emitter.groom is not None
     size = given.emitter.groom.scale or 1.0
     strands, widths = [(size * one).astype(np.float32) for one in strands], np.float32(size) * widths
     found = exported(given)

@@ -125,7 +125,6 @@ def test_lines_keep_peaks_and_bars_their_shares() -> None:
     assert len(page.thinned(points)) <= page.MOST_POINTS
     chart = ET.fromstring(page.line(points, " ms"))
     line = chart.find("polyline")
-    assert line is not None
     heights = [float(pair.split(",")[1]) for pair in line.attrib["points"].split()]
     assert min(heights) == pytest.approx(page.TOP + (page.HEIGHT - page.BOTTOM - page.TOP) * 0.1)
     bars = ET.fromstring(page.bars([("one", 4.0, "<"), ("two", 1.0, "&")]))
@@ -142,7 +141,6 @@ def test_a_small_animation_is_kept_and_what_cannot_be_read_is_left_out(tmp_path:
         write_image(frames[-1], np.full((30, 40, 3), 90 * number, np.uint8))
     write_animation(tmp_path / "a.gif", frames, [1, 2], 24.0)
     film = pictures.film(tmp_path / "a.gif")
-    assert film is not None
     assert film.size == (tmp_path / "a.gif").stat().st_size
     (tmp_path / "b.gif").write_bytes(b"GIF89a")
     assert pictures.film(tmp_path / "b.gif") is None
@@ -150,7 +148,6 @@ def test_a_small_animation_is_kept_and_what_cannot_be_read_is_left_out(tmp_path:
     assert pictures.chosen(list(range(100)), 3) == [0, 50, 99]
     write_image(frames[0], np.full((30, 40, 4), (250, 0, 0, 0), np.uint8))  # red, and nothing of it to be seen
     bare = pictures.embedded(frames[0], 100, 100_000)
-    assert bare is not None
     with Image.open(io.BytesIO(base64.b64decode(bare.address.partition(",")[2]))) as image:
         assert np.abs(np.asarray(image).astype(int) - GREY).max() <= 2
 

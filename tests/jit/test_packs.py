@@ -104,7 +104,6 @@ def test_a_pack_has_the_states_in_which_first_frames_begin(home: Home, tmp_path:
     path.write_bytes(stores.packed(*cache.pack_content()))
     assert home.begin(path) == []
     found = find(STATES, key, like)
-    assert found is not None
     np.testing.assert_array_equal(found["a"], np.arange(3.0))
     assert find(STATES, key_of(STATES, ("strandcli.constants",), [2]), like) is None
     name, entry = next((name, data) for name, data in parts(path.read_bytes()).items() if name.endswith(".arrays"))

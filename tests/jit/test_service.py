@@ -153,7 +153,6 @@ def test_workers_end_with_their_parent_however_that_ends(tmp_path: Path, ends: s
     place = {**os.environ, "PYTHONPATH": str(ROOT), "STRANDCLI_COMPILERS": "2"}
     words = [sys.executable, "-c", PARENT, str(tmp_path), "waits" if ends == "killed" else "ends"]
     with subprocess.Popen(words, env=place, stdout=subprocess.PIPE, text=True) as parent:
-        assert parent.stdout is not None
         workers = [int(number) for number in parent.stdout.readline().split()]
         if ends == "killed":
             time.sleep(0.5)
@@ -181,7 +180,6 @@ def test_an_entry_is_claimed_by_one_process_until_it_ends(tmp_path: Path) -> Non
     words = [sys.executable, "-c", CLAIM, str(tmp_path)]
     place = {**os.environ, "PYTHONPATH": str(ROOT)}
     with subprocess.Popen(words, env=place, stdin=subprocess.PIPE, stdout=subprocess.PIPE, text=True) as other:
-        assert other.stdout is not None
         assert other.stdout.readline() == "taken\n"
         claims = service.Claims()
         claims.take(tmp_path, bytes([1] * 32))  # another entry

@@ -63,7 +63,6 @@ def test_hair_and_head_are_placed_as_they_lie_on_each_other(run: Runner, axis: s
     assert (made.code, made.err) == (0, "")
     scene = strandcli.load("both.yaml")
     groom, solid = scene.emitter.groom, scene.solids[0]
-    assert groom is not None
     assert (solid.up, groom.up) == (axis, axis if same else "y")  # type: ignore[attr-defined]
     assert groom.scale is not None
     roots = groom.scale * strands.roots().astype(np.float64) @ turning(groom.up, "y").T
@@ -84,7 +83,6 @@ def test_strands_alone_have_the_axis_that_info_guesses(run: Runner) -> None:
     assert run("new", "in/some", "--groom", "some.data", "-q").code == 0
     text = Path("in/some.yaml").read_text()
     scene = strandcli.load("in/some.yaml")
-    assert scene.emitter.groom is not None
     assert (scene.emitter.groom.up, scene.emitter.groom.size) == ("z", 0.4), text
     assert 'file: "../some.data"' in text
     assert "a guess: hair hangs from above" in text

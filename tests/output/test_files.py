@@ -128,7 +128,6 @@ def another(folder: Path, what: str, numbers: list[int] | None) -> Iterator[subp
         [sys.executable, "-c", HOLD, str(folder), what, repr(numbers)],
         env=environment(), text=True, stdin=subprocess.PIPE, stdout=subprocess.PIPE,
     ) as process:  # fmt: skip
-        assert process.stdout is not None
         assert process.stdout.readline() == "claimed\n"
         try:
             yield process

@@ -68,7 +68,6 @@ def alike(left: list[Frame], right: list[Frame], detail: bool = False) -> None:
     """``detail``: the right ones have only the strands that level of detail draws."""
     assert [one.number for one in left] == [one.number for one in right]
     for a, b in zip(left, right, strict=True):
-        assert a.positions is not None
         assert b.positions is not None
         np.testing.assert_array_equal(a.positions[: len(b.positions)] if detail else a.positions, b.positions)
         np.testing.assert_array_equal(a.image, b.image)

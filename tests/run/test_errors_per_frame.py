@@ -42,16 +42,10 @@ def run(run: Runner) -> Runner:
     return run
 
 
-def first_beyond(preset: str) -> int:
-    """The first strand that has a particle beyond x = 0, where the bad rule begins."""
-    (frame,) = pipeline.render(strandcli.load(preset), [3], draw=False, keep_positions=True)
-    assert frame.positions is not None
-    return int(np.argmax((frame.positions[:, 1:, 0] > 0).any(1)))
-
-
 def test_a_rule_that_makes_nan_is_named_with_frame_and_strand(run: Runner) -> None:
     line = run.refused("render", "bad.yaml", "-o", "a", code=1)
-    strand = first_beyond("bad.yaml")
+    (frame,) = pipeline.render(strandcli.load("bad.yaml"), [3], draw=False, keep_positions=True)
+    strand = int(np.argmax((frame.positions[:, 1:, 0] > 0).any(1)))  # the rule begins beyond x = 0
     assert f"frame 4: strand {strand}, particle" in line
     assert "under the rules " in line
     assert "time.substeps" in line
@@ -101,7 +95,6 @@ def test_keep_going_draws_the_strands_that_are_left(run: Runner) -> None:
     # the others drawn with all that is lost put out of the picture: pixel by pixel what is left
     scene = strandcli.load("bad.yaml")
     (frame,) = pipeline.render(scene, [5], draw=False, keep_positions=True, keep_going=True)
-    assert frame.positions is not None
     good = np.isfinite(frame.positions).all((1, 2))
     assert good.sum() == data["frames"][4]["counts"]["strands"]
     bare = frame.positions.copy()
@@ -153,7 +146,6 @@ def test_a_residual_beyond_its_bound_names_the_constraint_and_the_strand() -> No
     assert health.examine(made("rod", bound), 7, errors(residual_max=bound)) is None
     for worst in (1.5 * bound, float("nan")):
         trouble = health.examine(made("rod", worst), 7, errors(residual_max=worst))
-        assert trouble is not None
         assert trouble.message.startswith("frame 7: strand 130 is off by ")
         assert trouble.strand == 130
         assert "the constraint of constant lengths is violated" in trouble.message
@@ -163,7 +155,6 @@ def test_a_residual_beyond_its_bound_names_the_constraint_and_the_strand() -> No
 def test_a_rods_stretch_is_judged_beyond_what_rounding_costs() -> None:
     assert health.examine(made("rod", 0.0, 1.009), 2, errors(stretch_max=0.009)) is None
     trouble = health.examine(made("rod", 0.0, 1.02), 2, errors(stretch_max=0.02))
-    assert trouble is not None
     assert trouble.strand == 199
     assert "strand 199 is stretched by 2 %, more than 1 %" in trouble.message
     # a million segments from the origin single precision is no better than that

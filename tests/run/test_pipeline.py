@@ -116,7 +116,6 @@ def test_panels_stand_side_by_side() -> None:
     text = UNLIT + "panels: [{label: one}, {label: two, set: {image.size: [10, 30]}}, {set: {emitter.strands: 7}}]\n"
     (panels,) = frames_of(scene_of(text), 2)
     single = frames_of(scene_of(UNLIT), 2)[0]
-    assert panels.image is not None
     assert panels.positions is None
     width = 20 + GAP + 10 + GAP + 20
     assert panels.image.shape == (30 + 24, width, 3)

@@ -77,15 +77,11 @@ def test_a_frame_has_no_more_segments_than_planned() -> None:
     assert frames_of(scene_of(UNLIT + "curves: {mode: fixed}\n"), 1)[0].report["counts"]["segments"] == 20 * 2 * 4
 
 
-def shadowless(text: str) -> Scene:
-    return scene_of(text.replace("shadow: {size: 64}", "shadow: {model: 'off'}"))
-
-
 @pytest.mark.parametrize(
     ("scene", "wanted"),
     [
         (scene_of(EVERYTHING), True),
-        (shadowless(EVERYTHING), False),
+        (scene_of(EVERYTHING.replace("shadow: {size: 64}", "shadow: {model: 'off'}")), False),
         (scene_of(EVERYTHING[: EVERYTHING.index("lights:")] + "lights: []\n"), False),
         (scene_of(UNLIT + "lights: [{kind: point, intensity: 0}]\n"), False),
         (scene_of(UNLIT + "lights: [{kind: point, colour: [0, 0, 0]}, {kind: directional}]\n"), True),
@@ -168,10 +164,8 @@ def test_planning_millions_of_strands_makes_few_of_them(
 def test_children_that_level_of_detail_leaves_out_take_no_memory() -> None:
     """Of `grass` a third is drawn, 426,100 blades; of a mesh nobody knows how far it reaches."""
     plan = make_plan(load("grass", rules=registry()), [1])
-    assert plan.sizes is not None
     assert plan.sizes.strands == 1_200_000
     assert plan.sizes.made == pytest.approx(426_100, rel=0.15)
     draft = load("hair", rules=registry(), settings={"quality": "draft"})
     plan = make_plan(draft, [1])
-    assert plan.sizes is not None
     assert 0.3 < plan.sizes.made / plan.sizes.strands <= 1

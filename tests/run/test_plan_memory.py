@@ -70,7 +70,6 @@ def test_more_than_four_fifths_of_what_is_free_is_refused_with_what_fits(monkeyp
     assert caught.value.exit_code == 4
     assert "--no-memory-check" not in str(caught.value)
     found = re.search(r"--strands (\d+) \(about ([\d.]+) GB\) or --size (\d+)x(\d+) \(", str(caught.value))
-    assert found is not None
     fewer = dataclasses.replace(scene, emitter=dataclasses.replace(scene.emitter, strands=int(found[1])))
     assert make_plan(fewer, [1]).memory_bytes < plan.memory_bytes
     assert make_plan(fewer, [1]).memory_bytes == pytest.approx(float(found[2]) * 1e9, abs=0.06e9)
@@ -155,7 +154,6 @@ def test_fine_cells_are_counted_as_the_solver_takes_them() -> None:
     than those of a head, by which bytes a cell were measured."""
     scene = rod_of(TEXT % 0.005).scene
     solver = RodSolver(scene, arranged(emit(scene.emitter, scene.seed)))  # as runs have them
-    assert solver.grid is not None
     solver.advance(2)
     taken = (solver.grid._cells.nbytes + solver.grid.memory.nbytes) / 1.2
     assert grid_bytes(solver.scene, 900) == pytest.approx(taken, rel=0.25)

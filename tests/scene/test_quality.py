@@ -79,13 +79,10 @@ def test_a_draft_cuts_what_a_preset_sets_itself(tmp_path: Path) -> None:
     scene = strandcli.load(str(path), settings={"quality": "draft"})
     assert (scene.image.supersample, scene.camera.samples) == (1, 4)
     assert (scene.curves.level, scene.curves.tolerance) == (2, 1.0)
-    assert scene.children is not None
     assert scene.children.count == 16
     assert scene.material.width == pytest.approx(0.0006)
-    assert scene.detail is not None
     assert scene.detail.near == 3
     assert scene.detail.pixels == 1.0
-    assert scene.ambient_occlusion is not None
     assert (scene.ambient_occlusion.cells, scene.ambient_occlusion.directions) == (10_000, 16)
     assert [light.shadow.model for light in scene.lights] == ["opacity", "opacity", "off"]
     assert [(light.shadow.size, light.shadow.layers) for light in scene.lights[:2]] == [(512, 15)] * 2
@@ -98,10 +95,8 @@ def test_a_draft_makes_nothing_finer_than_it_is(tmp_path: Path) -> None:
         "detail: {pixels: 2}\nlights: [{kind: point, shadow: {size: 64, layers: 3}}]\n"
     )
     scene = strandcli.load(str(path), settings={"quality": "draft"})
-    assert scene.children is not None
     assert (scene.children.count, scene.material.width) == (1, 0.01)
     assert (scene.camera.samples, scene.curves.level, scene.curves.tolerance) == (2, 1, 3.0)
-    assert scene.detail is not None
     assert (scene.detail.near, scene.detail.pixels) == (None, 2.0)
     assert (scene.lights[0].shadow.size, scene.lights[0].shadow.layers) == (64, 3)
     assert scene.ambient_occlusion is None

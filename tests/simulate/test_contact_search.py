@@ -80,12 +80,9 @@ def seen(solids: Any, ends: Floats, past: Floats, whole: bool) -> Rows:
     before[..., :LANES] = past.transpose(1, 2, 0)
     rows = Rows(1)
     rows.active[...] = 1  # what nothing touches needs no slip
-    assert look(rows.all, in_lanes(ends), before.reshape(2, -1), packed(solids), whole, 1e3)
+    lanes = np.ascontiguousarray(ends.transpose(1, 2, 0).reshape(6, LANES))
+    assert look(rows.all, lanes, before.reshape(2, -1), packed(solids), whole, 1e3)
     return rows
-
-
-def in_lanes(ends: Floats) -> Floats:
-    return np.ascontiguousarray(ends.transpose(1, 2, 0).reshape(6, LANES))
 
 
 def nearest_places(solid: Any, ends: Floats) -> Floats:

@@ -118,21 +118,17 @@ def test_a_surface_that_slides_in_a_solid_that_turns_adds_up(tmp_path: Path) -> 
     np.testing.assert_allclose(held, moved(1.0, file=here, **posed), atol=1e-5)
 
 
-def on_a_plane(plane: str, friction: float, rate: int) -> RodSolver:
-    """A limp strand of a metre that lies on a plane through its root."""
-    return rod_of(
-        f"rod: {{rest: straight, radius: 1.0e-4, young: 1000, drag: 0, damping: 0, friction: {friction}}}\n"
-        f"time: {{fps: {rate}}}\nemitter: {{shape: {{kind: disc, radius: 1.0e-6}}, strands: 1, particles: 11, "
-        f"length: 1, direction: [1, 0, 0]}}\nrules: [gravity, collision]\nsolids: [{{kind: plane, {plane}}}]\n"
-    )
-
-
 @pytest.mark.parametrize("friction", [0.1, 0.5, 1.0])
 def test_friction_on_a_slope_is_coulombs(friction: float) -> None:
     """Across a slope a limp strand stays below arctan µ; on a steeper one all of it slides at g (sin θ − µ cos θ)."""
     for beside in (-3.0, 10.0):
         slope = np.arctan(friction) + np.radians(beside)
-        solver = on_a_plane(f"rotation: [{np.degrees(slope)}, 0, 0]", friction, 960)
+        solver = rod_of(
+            f"rod: {{rest: straight, radius: 1.0e-4, young: 1000, drag: 0, damping: 0, friction: {friction}}}\n"
+            "time: {fps: 960}\nemitter: {shape: {kind: disc, radius: 1.0e-6}, strands: 1, particles: 11, length: 1, "
+            "direction: [1, 0, 0]}\nrules: [gravity, collision]\n"
+            f"solids: [{{kind: plane, rotation: [{np.degrees(slope)}, 0, 0]}}]\n"
+        )
         take_steps(solver, 960, 192)
         slid = first(solver)[-1] @ [0, -np.sin(slope), np.cos(slope)]
         free = max(PULL * (np.sin(slope) - friction * np.cos(slope)), 0) * 0.2**2 / 2

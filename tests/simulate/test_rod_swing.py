@@ -192,16 +192,6 @@ SETTLED = 3
 """Seconds after which a strand hangs over the pole at rest."""
 
 
-def over_a_pole(rate: int, more: str = "rest: straight, friction: 0", curl: str = "", strands: int = 16) -> RodSolver:
-    """Strands of .3 m that begin on a pole, lie across it and hang down behind."""
-    return rod_of(
-        f"rod: {{radius: 4.0e-5, drag: 0, damping: 0, {more}}}\ntime: {{fps: {rate}}}\n"
-        f"emitter: {{shape: {{kind: disc, radius: 0.0001}}, strands: {strands}, particles: 26, length: 0.3,"
-        f" rotation: [0, 0, -90]{curl}}}\nrules: [gravity, collision]\n"
-        "solids: [{kind: capsule, radius: 0.03, length: 1, position: [0.05, -0.031, 0], rotation: [90, 0, 0]}]\n"
-    )
-
-
 def rows(solver: RodSolver, row: int) -> Floats:
     """(strands, 3) particles of a row of positions."""
     found = solver.positions[:, row].reshape(len(solver.positions), 3, -1).transpose(0, 2, 1)
@@ -209,8 +199,14 @@ def rows(solver: RodSolver, row: int) -> Floats:
 
 
 def swings(rate: int, seconds: int) -> Floats:
-    """(seconds,) half the width of the tip's swing along the pole in each second, from a push along it."""
-    solver = over_a_pole(rate)
+    """(seconds,) half the width of the tip's swing along a pole in each second, from a push along it; of strands of
+    .3 m that begin on it, lie across it and hang down behind."""
+    solver = rod_of(
+        f"rod: {{radius: 4.0e-5, drag: 0, damping: 0, rest: straight, friction: 0}}\ntime: {{fps: {rate}}}\n"
+        "emitter: {shape: {kind: disc, radius: 0.0001}, strands: 16, particles: 26, length: 0.3,"
+        " rotation: [0, 0, -90]}\nrules: [gravity, collision]\n"
+        "solids: [{kind: capsule, radius: 0.03, length: 1, position: [0.05, -0.031, 0], rotation: [90, 0, 0]}]\n"
+    )
     state = solver.state
     for _ in each_step(solver, rate, SETTLED * rate):
         for member in (state.velocity, state.ahead, state.before, state.moved):

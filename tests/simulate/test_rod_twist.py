@@ -153,9 +153,6 @@ def test_strands_of_every_pack_are_moved() -> None:
     assert np.abs(solver.particles() - start).max(axis=(1, 2)).min() > 1e-4
 
 
-LANES = VECTOR // 8
-
-
 @function
 def torques(given: Any, out: Any, count: int) -> None:
     at, to = vector_pointer(given), vector_pointer(out)

@@ -135,11 +135,6 @@ def test_joints_of_a_straight_strand_leave_no_trace() -> None:
             np.testing.assert_allclose(cut, whole, atol=6e-3 * min(wide, 1))
 
 
-def layered(seed: int = 4, **options: Any) -> np.ndarray:
-    strands, widths, colours = crowd(seed)
-    return drawn(strands, widths, (40, 30), colours=colours, behind=0.3, **options)
-
-
 def crowd(seed: int, count: int = 120) -> tuple[list[np.ndarray], list[np.ndarray], np.ndarray]:
     rng = np.random.default_rng(seed)
     ends = rng.uniform([-10, -10, 0.1], [50, 40, 1], (count, 2, 3))
@@ -164,11 +159,13 @@ def test_layers_are_laid_over_each_other_by_depth() -> None:
 
 def test_neither_order_nor_threads_nor_memory_change_a_picture() -> None:
     strands, widths, colours = crowd(6)
-    one = layered(seed=6)
+    look: dict[str, Any] = {"size": (40, 30), "colours": colours, "behind": 0.3}
+    one = drawn(strands, widths, **look)
     assert (one != np.float32(0.3)).mean() > 0.5
     for workers in (1, 2, 3, 7):
         for room in (400_000, 3_000):
-            np.testing.assert_array_equal(layered(seed=6, workers=workers, room=room), one)
+            again = drawn(strands, widths, **look, workers=workers, room=room)
+            np.testing.assert_array_equal(again, one)
     order = np.random.default_rng(7).permutation(len(strands))
     mixed = drawn(
         [strands[i] for i in order], [widths[i] for i in order], (40, 30),

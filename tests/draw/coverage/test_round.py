@@ -29,11 +29,7 @@ from tests.reference import chiang as chiang_reference
 
 WIDTH, HEIGHT = 160, 120
 RADIUS = 0.06
-
-
-def seen_from(perspective: bool) -> View:
-    eye = np.array([0.3, 0.2, 4.0])
-    return View(eye, *axes(-eye, (0.0, 1.0, 0.0)), perspective, 240.0 if perspective else 60.0, 0.1, 9.0, WIDTH, HEIGHT)
+EYE = np.array([0.3, 0.2, 4.0])
 
 
 def heap(strands: int, pieces: int) -> np.ndarray:
@@ -104,7 +100,8 @@ def draw(view: View, strands: np.ndarray, resolver: str, slope: DepthSlope) -> n
 @pytest.mark.parametrize("resolver", ["sorted", "zbuffer"])
 @pytest.mark.parametrize("pieces", [1, 12])
 def test_strands_that_touch_hide_each_other_as_cylinders_do(resolver: str, perspective: bool, pieces: int) -> None:
-    view, strands = seen_from(perspective), heap(30, pieces)
+    focal, strands = 240.0 if perspective else 60.0, heap(30, pieces)
+    view = View(EYE, *axes(-EYE, (0.0, 1.0, 0.0)), perspective, focal, 0.1, 9.0, WIDTH, HEIGHT)
     right, sure = contest(view, strands)
     assert sure.sum() > 500
     wrong, flat = (
@@ -117,12 +114,11 @@ def test_strands_that_touch_hide_each_other_as_cylinders_do(resolver: str, persp
 @pytest.mark.parametrize("resolver", ["sorted", "zbuffer"])
 def test_far_aside_of_the_views_axis_the_edges_of_a_strand_are_not_equally_far(resolver: str) -> None:
     """Nearly parallel strands that lie in each other, in the corner of a wide lens's picture."""
-    eye = np.array([0.3, 0.2, 4.0])
-    view = View(eye, *axes(-eye, (0.0, 1.0, 0.0)), True, 240.0, 0.1, 9.0, WIDTH, HEIGHT, centre=(-160.0, 300.0))
+    view = View(EYE, *axes(-EYE, (0.0, 1.0, 0.0)), True, 240.0, 0.1, 9.0, WIDTH, HEIGHT, centre=(-160.0, 300.0))
     rng = np.random.default_rng(2)
     way = rng.normal([1, 0.5, 1], 0.06, (40, 1, 3))
     way /= np.linalg.norm(way, axis=2, keepdims=True)
-    middle = eye + 4 * (view.forward + view.right + view.up) + rng.normal(0, 0.12, (40, 1, 3))
+    middle = EYE + 4 * (view.forward + view.right + view.up) + rng.normal(0, 0.12, (40, 1, 3))
     strands = middle + way * np.linspace(-2, 2, 13)[:, None]
     right, sure = contest(view, strands)
     assert sure.sum() > 500

@@ -53,9 +53,7 @@ def material(hair: Hair) -> Material:
 
 
 def tables(hair: Hair) -> FibreTables:
-    found = tables_of.build_tables(material(hair))
-    assert found is not None
-    return found
+    return tables_of.build_tables(material(hair))
 
 
 class Value(NamedTuple):

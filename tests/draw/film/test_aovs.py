@@ -3,7 +3,6 @@
 from __future__ import annotations
 
 import math
-from typing import Any
 
 import numpy as np
 import pytest
@@ -33,12 +32,20 @@ solids: %s
 KINDS = pytest.mark.parametrize("kind", ["perspective", "orthographic"])
 
 
+def by_coverage(text: str, wide: float) -> str:
+    """The scene of strands of true widths, sorted."""
+    text = text.replace("image: {", "image: {resolver: sorted, ")
+    return text.replace("material: {", f"material: {{width: {wide:g}, ")
+
+
 def drawn(
     strands: int = 300, direction: tuple[float, ...] = (0, 1, 0), position: tuple[float, ...] = (0, -1, 0),
     width: float = 1.0, kind: str = "perspective", samples: int = 1, lights: str = "[]", solids: str = "[]",
+    wide: float | None = None,
 ) -> tuple[Scene, Frame]:  # fmt: skip
+    """A scene and its frame; by true coverage of strands so ``wide``, or of lines."""
     text = SHEET % (strands, list(direction), list(position), width, kind, samples, lights, solids)
-    scene = scene_of(text)
+    scene = scene_of(text if wide is None else by_coverage(text, wide))
     return scene, frames_of(scene, 1)[0]
 
 
@@ -99,21 +106,6 @@ def test_tangents_and_orientations_of_straight_strands(kind: str, direction: tup
     assert angle[there].max() < np.pi
     off = np.abs(angle - seen_angle(scene, unit))[there]
     assert np.minimum(off, np.pi - off).max() < 1e-3
-
-
-def test_orientation_counts_from_the_right_against_the_clock() -> None:
-    camera = "[0, 0, 4], target: [0, 0, 0]"
-    for direction, eighth in (((1, 0, 0), 0), ((1, 1, 0), 2), ((0, -1, 0), 4), ((-1, 1, 0), 6)):
-        text = SHEET % (1, list(direction), [0, 0, 0], 1e-6, "orthographic", 1, "[]", "[]")
-        scene = scene_of(text.replace("[0.3, 0.2, 4], target: [0.1, 0, 0]", camera))
-        found = frames_of(scene, 1)[0].aovs["orientation"]
-        assert np.abs(found[found >= 0] - eighth * np.pi / 8).max() < 1e-5
-    # above 0 the strand that leans to the right is in the upper right quarter
-    text = SHEET % (1, [1, 1, 0], [0, 0, 0], 1e-6, "orthographic", 1, "[]", "[]")
-    found = frames_of(scene_of(text.replace("[0.3, 0.2, 4], target: [0.1, 0, 0]", camera)), 1)[0].aovs["strand_id"]
-    rows, columns = np.nonzero(found == 0)
-    assert rows.max() <= 24
-    assert columns.min() >= 31
 
 
 @KINDS
@@ -238,26 +230,13 @@ def test_a_crop_window_is_a_part_of_the_whole_picture(kind: str, samples: int) -
         assert (~np.isclose(whole.aovs[name][window], part.aovs[name], atol=1e-4)).mean() < 0.01
 
 
-# strands of true widths, sorted: what belongs to `SHEET` besides
-SORTED = "material: {width: %g, "
-
-
-def sorted_sheet(strands: int, wide: float, **options: Any) -> tuple[Scene, Frame]:
-    """As `drawn`, by true coverage."""
-    text = SHEET.replace("image: {", "image: {resolver: sorted, ").replace("material: {", SORTED % wide)
-    names = {"direction": [0, 1, 0], "position": [0, -1, 0], "width": 1.0, "kind": "perspective", "samples": 1,
-             "lights": "[]", "solids": "[]"} | options  # fmt: skip
-    scene = scene_of(text % (strands, *names.values()))
-    return scene, frames_of(scene, 1)[0]
-
-
 @KINDS
 @pytest.mark.parametrize("samples", [1, 2])
 @pytest.mark.parametrize("wide", [0.001, 0.2])
 def test_layers_of_sorted_strands_tell_what_their_picture_shows(kind: str, samples: int, wide: float) -> None:
     """The mask is the exact share of the picture that is not background, however thin the strands; the rest is that of
     a strand that is there."""
-    scene, frame = sorted_sheet(40, wide, kind=kind, samples=samples)
+    scene, frame = drawn(40, kind=kind, samples=samples, wide=wide)
     mask, linear, ids = frame.aovs["mask"], frame.aovs["linear"], frame.aovs["strand_id"]
     strand = np.array([0.6, 0.4, 0.2]) * 0.1  # ambient
     background = np.array([0.2, 0.3, 0.4])
@@ -281,7 +260,7 @@ def test_a_sorted_pixel_is_that_of_the_strand_that_shows_most() -> None:
     """Thin strands before a wide one that they hardly cover, and a ball that shows between and beside them."""
     ball = "[{kind: sphere, radius: 0.4, position: [0.3, 0, -0.5]}]"
     for wide, holds in ((0.002, SOLID), (0.3, 0)):
-        _, frame = sorted_sheet(1, wide, width=1e-6, solids=ball)
+        _, frame = drawn(1, width=1e-6, solids=ball, wide=wide)
         ids, mask = frame.aovs["strand_id"], frame.aovs["mask"]
         assert set(np.unique(ids)) <= {NOTHING, SOLID, 0}
         assert ids[24, 29] == 0  # where the strand is, however little of the pixel it covers
@@ -289,6 +268,5 @@ def test_a_sorted_pixel_is_that_of_the_strand_that_shows_most() -> None:
         assert 1 / 64 < mask[24].max() < 0.1 if wide < 0.01 else mask[24].max() == pytest.approx(1)
         assert (mask[ids == NOTHING] < 1 / 64).all()
         assert holds in ids[24]
-    text = SHEET.replace("image: {", "image: {resolver: sorted, ").replace("material: {", SORTED % 0.3)
-    thick = scene_of(text % (1, [0, 1, 0], [0, -1, 0], 1e-6, "perspective", 1, "[]", "[]"))
-    assert (frames_of(thick, 1)[0].aovs["mask"] > 0.99).sum() > 100
+    _, thick = drawn(1, width=1e-6, wide=0.3)
+    assert (thick.aovs["mask"] > 0.99).sum() > 100

@@ -50,6 +50,14 @@ def each(lines: Polylines) -> list[np.ndarray]:
     return [lines.world[a:b].astype(np.float64) for a, b in zip(lines.first[:-1], lines.first[1:], strict=True)]
 
 
+def particles_of(line: np.ndarray, p: np.ndarray) -> list[int]:
+    """Which vertices of a line are the particles (n, 3)."""
+    at = [0]
+    for particle in p[1:]:
+        at.append(at[-1] + 1 + int(np.abs(line[at[-1] + 1 :] - particle).sum(1).argmin()))
+    return at
+
+
 @pytest.mark.parametrize("tangents", ["difference", "printed"])
 @pytest.mark.parametrize("level", [0, 3])
 @pytest.mark.parametrize("n", [2, 7])
@@ -82,9 +90,7 @@ def test_adaptive_curves_are_within_their_bound_on_the_screen(camera: Camera, ta
     dense = strands.points(256, tangents == "printed")
     worst = 0.0
     for s, line in enumerate(each(lines)):
-        at = [0]
-        for i in range(1, strands.n):  # the vertices that are particles
-            at.append(at[-1] + 1 + int(np.abs(line[at[-1] + 1 :] - strands.p[s, i]).sum(1).argmin()))
+        at = particles_of(line, strands.p[s])
         for i in range(strands.n - 1):
             shown, z = project(view, dense[s, i])
             piece, depth = project(view, line[at[i] : at[i + 1] + 1])
@@ -106,9 +112,7 @@ def test_vertices_stand_along_their_strand_whatever_the_view() -> None:
         lines = strands.flat(Curves(mode="adaptive", level=6), view)
         assert len(set(np.diff(lines.first))) > 3
         for s, line in enumerate(each(lines)):
-            at = [0]
-            for i in range(1, strands.n):  # the vertices that are particles
-                at.append(at[-1] + 1 + int(np.abs(line[at[-1] + 1 :] - strands.p[s, i]).sum(1).argmin()))
+            at = particles_of(line, strands.p[s])
             found = lines.along[lines.first[s] : lines.first[s + 1]]
             right = np.interp(np.arange(len(line)), at, np.linspace(0, 1, strands.n))
             np.testing.assert_allclose(found, right, atol=2e-7)

@@ -11,7 +11,7 @@ import pytest
 
 from strand_kit import frames_of, groom_of, scene_of
 from strandcli.draw.drawn_strands import DrawnStrands
-from strandcli.draw.geometry.detail import level_of
+from strandcli.draw.geometry.detail import Level, level_of
 from strandcli.groom.blocks import lanes, pack
 from strandcli.groom.children import Children
 from strandcli.plan import make_plan
@@ -172,17 +172,12 @@ def test_a_strand_in_the_z_buffer_grows_from_its_root() -> None:
     for part in (0.2, 0.6, 1.0):
         stage.scene = scene
         with pytest.MonkeyPatch.context() as patch:
-            patch.setattr("strandcli.draw.drawn_strands.level_of", _faded(np.full(1, part, np.float32)))
+            faded = Level(np.full(1, part, np.float32), np.ones(1, np.float32), 1.0)
+            patch.setattr("strandcli.draw.drawn_strands.level_of", lambda *_, faded=faded: faded)
             seen.append((stage(near=1.0).sum(2) > 0.1).sum())
     assert seen[2] > 12
     assert seen[0] == pytest.approx(0.2 * seen[2], abs=1.5)
     assert seen[1] == pytest.approx(0.6 * seen[2], abs=1.5)
-
-
-def _faded(fade: np.ndarray) -> Any:
-    from strandcli.draw.geometry.detail import Level
-
-    return lambda *_: Level(fade, np.ones_like(fade), 1.0)
 
 
 def test_an_eighth_of_the_strands_covers_what_all_do() -> None:

@@ -9,19 +9,17 @@ import numpy as np
 import pytest
 from numpy.typing import NDArray
 
-from strandcli.draw.common.kernels.keys import EMPTY
 from strandcli.draw.common.scratch import Scratch
-from strandcli.draw.coverage.coverage import Coverage
 from strandcli.draw.geometry.curves import Polylines, flatten
-from strandcli.draw.geometry.extent import Thickness, lost_of, widths_of
+from strandcli.draw.geometry.extent import Thickness, lost_of
 from strandcli.draw.lighting.kernels import occlusion_sweep
 from strandcli.draw.lighting.kernels.occlusion import BOX_SIZE, CHANNELS, DENSITY
 from strandcli.draw.shadows.kernels.map_parts import WIDE
 from strandcli.draw.shadows.strands_in_map import parts_in_map, simplified
 from strandcli.draw.view.camera import View, parallel_view
-from strandcli.draw.zbuffer.raster import draw, to_screen
 from strandcli.groom.blocks import pack
 from strandcli.scene.model import Curves, Material
+from tests.draw.geometry.test_widths import SAMPLES, samples_covered
 
 Floats = NDArray[np.float64]
 SIZE = (200, 160)
@@ -45,19 +43,8 @@ def strand(angle: float, length: float, points: int) -> Floats:
 
 def covered(lines: Polylines, width: float, resolver: str) -> float:
     """Square pixels of the picture that strands cover."""
-    samples = 1 if resolver == "sorted" else 8
-    view, scratch = view_of(samples), Scratch()
-    size = (SIZE[0] * samples, SIZE[1] * samples)
-    screen = to_screen(lines, view, scratch)
-    widths = widths_of(lines, screen, view, Material(width=width), 0.0, True, scratch)
-    if resolver == "zbuffer":
-        keys = np.full(size[0] * size[1], EMPTY)
-        draw(lines, screen, widths, 0, size, 1, scratch, keys)
-        return float(np.count_nonzero(keys != EMPTY)) / samples**2
-    image = np.zeros((size[1], size[0], 3), np.float32)
-    for layer in Coverage(size, 1.0).layers(lines, screen, widths, None, 1, scratch):
-        layer.blend(np.ones((len(screen), 3), np.float32), image)
-    return float(image[..., 0].sum(dtype=np.float64))
+    samples = SAMPLES[resolver]
+    return float(samples_covered(lines, view_of(samples), Material(width=width), resolver).sum()) / samples**2
 
 
 def area(points: Floats, widths: Floats) -> float:

@@ -33,6 +33,25 @@ def view_of(fov: float, perspective: bool = True, samples: int = 1) -> View:
     return View(np.zeros(3), right, up, forward, perspective, focal, 0.01, 10.0, width, height)
 
 
+SAMPLES = {"sorted": 1, "zbuffer": 8}
+"""A pixel and axis, for areas to be known."""
+
+
+def samples_covered(lines: Polylines, view: View, material: Material, resolver: str) -> NDArray[np.float64]:
+    """(height, width) how much of each sample strands cover."""
+    size, scratch = (int(view.width), int(view.height)), Scratch()
+    screen = to_screen(lines, view, scratch)
+    widths = widths_of(lines, screen, view, material, 0.0, True, scratch)
+    if resolver == "zbuffer":
+        keys = np.full(size[0] * size[1], EMPTY)
+        draw(lines, screen, widths, 0, size, 1, scratch, keys)
+        return (keys != EMPTY).reshape(size[::-1]).astype(np.float64)
+    image = np.zeros((*size[::-1], 3), np.float32)
+    for layer in Coverage(size, 1.0).layers(lines, screen, widths, None, 1, scratch):
+        layer.blend(np.ones((len(screen), 3), np.float32), image)
+    return image[..., 0].astype(np.float64)
+
+
 def line(begin: NDArray[np.float64], end: NDArray[np.float64]) -> Polylines:
     world = begin + (end - begin) * np.linspace(0, 1, ALONG + 1)[:, None]
     return Polylines(np.array([0, ALONG + 1]), world.astype(np.float32))
@@ -121,23 +140,12 @@ def test_bends_and_strands_that_are_seen_end_on() -> None:
 @pytest.mark.parametrize("name", [name for name in ENDS if name != "away from the middle"])
 def test_pictures_cover_what_rays_meet(resolver: str, name: str) -> None:
     """The area that a strand covers in a view of 120 degrees; a z-buffer's by many samples a pixel."""
-    samples = 1 if resolver == "sorted" else 8
+    samples = SAMPLES[resolver]
     view = view_of(120, samples=samples)
-    size = (SIZE[0] * samples, SIZE[1] * samples)
     (x0, y0), (x1, y1) = np.array(ENDS[name]) * samples
     lines = line(at(view, x0, y0, 1.0), at(view, x1, y1, 1.6))
-    scratch = Scratch()
-    screen = to_screen(lines, view, scratch)
-    widths = widths_of(lines, screen, view, Material(width=0.08, taper=0.0), 0.0, True, scratch)
-    if resolver == "sorted":
-        image = np.zeros((size[1], size[0], 3), np.float32)
-        for layer in Coverage(size, 1.0).layers(lines, screen, widths, None, 1, scratch):
-            layer.blend(np.ones((len(screen), 3), np.float32), image)
-        covered = image[..., 0].astype(np.float64)
-    else:
-        keys = np.full(size[0] * size[1], EMPTY)
-        draw(lines, screen, widths, 0, size, 1, scratch, keys)
-        covered = (keys != EMPTY).reshape(size[1], size[0]).astype(np.float64)
+    screen = to_screen(lines, view, Scratch())
+    covered = samples_covered(lines, view, Material(width=0.08, taper=0.0), resolver)
     # rows or columns well within the strand: how rays end at its ends is another matter
     across = int(abs(screen[-1, 0] - screen[0, 0]) > abs(screen[-1, 1] - screen[0, 1]))
     low, high = np.sort(screen[[0, -1], 1 - across])

@@ -157,14 +157,11 @@ def test_a_path_is_meant_from_where_it_is_written(tmp_path: Path, monkeypatch: p
         load(str(child))
 
 
-def sixteen(path: Path, colours: np.ndarray) -> None:
-    path.write_bytes(b"".join(png.encode(colours.astype(np.uint16))))
-
-
 @pytest.mark.parametrize("grey", [True, False])
 def test_sixteen_bits_are_read_by_the_curve_of_eight(tmp_path: Path, grey: bool) -> None:
     codes = np.array([[0, 2000, 32768], [65535, 257, 40000]])
-    sixteen(tmp_path / "sky.png", codes if grey else np.stack([codes, codes[::-1], codes[:, ::-1]], -1))
+    colours = codes if grey else np.stack([codes, codes[::-1], codes[:, ::-1]], -1)
+    (tmp_path / "sky.png").write_bytes(b"".join(png.encode(colours.astype(np.uint16))))
     found = read(str(tmp_path / "sky.png"))
     encoded = codes / 65535
     wanted = np.where(encoded <= 0.04045, encoded / 12.92, ((encoded + 0.055) / 1.055) ** 2.4)

@@ -33,12 +33,6 @@ WIDE, SPACING = Thickness(0.014, 0.3), 0.06
 LINES = straight(1000, 7)
 
 
-def on_ground(count: int, seed: int = 0, height: float = -1.4) -> NDArray[np.float64]:
-    """Points of a ground under the strands, in their shadow and beside it."""
-    across = np.random.default_rng(seed).uniform(-1.6, 0.6, (2, count))
-    return np.stack([across[0], np.full(count, height), across[1] + 0.2], 1)
-
-
 def left(
     by: ModuleType,
     light: Light,
@@ -55,22 +49,15 @@ def left(
     if by is opacity:
         numbers = (packed, 0, maps.stacks, maps.starts, maps.sizes, maps.packed)
         return np.exp([-optical_depth(x, y, z, packed[0, 13], *numbers) for x, y, z in np.float32(points)])
-    found = in_batches(points, loss, packed, map_arrays(maps))
-    return found[:, 0] if loss is None else found
-
-
-def in_batches(
-    points: NDArray[np.float64], loss: NDArray[np.float32] | None, lights: NDArray[np.float32], shadows: ShadowArrays
-) -> NDArray[np.float64]:
-    """(n, 3) What strands leave each point that light arrives at."""
     batches = np.split(points, range(W, len(points), W))
-    return np.concatenate([leave(some, loss, lights, shadows) for some in batches])
+    found = np.concatenate([leave(some, loss, packed, map_arrays(maps)) for some in batches])
+    return found[:, 0] if loss is None else found
 
 
 def leave(
     points: NDArray[np.float64], loss: NDArray[np.float32] | None, lights: NDArray[np.float32], shadows: ShadowArrays
 ) -> NDArray[np.float64]:
-    """The same of a batch."""
+    """(n, 3) What strands leave each point of a batch that light arrives at."""
     work = np.zeros((surface_batch.ROWS, W), np.float32)
     work[batch.X // W :][:3, : len(points)] = points.T
     work[batch.ARRIVES // W] = 1
@@ -88,19 +75,14 @@ def truth_of(light: DirectionalLight | PointLight, points: NDArray[np.float64], 
     else:
         right, up, _ = axes(-np.array(light.position), (0.0, 1.0, 0.0))
         ways = (np.array(light.position) + light.size / 2 * (u * right + v * up) - points).reshape(-1, 3)
+    radii = 0.5 * WIDE.width * (1 - WIDE.taper * np.tile(np.arange(9) / 8, 1000))
     probes = np.tile(points, (rays, 1))
     left = np.zeros((len(probes), 2))
     cylinders.transmittance(
-        pieces_of(LINES.first, LINES.world.astype(np.float64), radii_of()), probes, np.full(len(probes), -1),
+        pieces_of(LINES.first, LINES.world.astype(np.float64), radii), probes, np.full(len(probes), -1),
         frames_along(ways), np.full(len(probes), np.inf), np.zeros((2, 2)), np.ones(len(probes)), left,
     )  # fmt: skip
     return np.asarray(left.mean(1).reshape(rays, -1).mean(0))
-
-
-def radii_of() -> NDArray[np.float64]:
-    """Of the cylinders, which thin out toward their tips."""
-    share = np.tile(np.arange(9) / 8, 1000)
-    return 0.5 * WIDE.width * (1 - WIDE.taper * share)
 
 
 @pytest.mark.parametrize(
@@ -113,7 +95,8 @@ def test_shadows_on_a_ground_are_those_of_a_round_light(
 ) -> None:
     """Without the filter a wide light's shadows are off by twice as much, others by a third less, but that in squares.
     A small light's show single strands, which no opacity map does."""
-    points = on_ground(120)
+    x, z = np.random.default_rng(0).uniform(-1.6, 0.6, (2, 120))
+    points = np.stack([x, np.full(120, -1.4), z + 0.2], 1)  # in the shadow and beside it
     truth = truth_of(light, points)
     assert 0.2 < truth.mean() < 0.9
     off, hard = left(percentage_closer, light, points) - truth, left(opacity, light, points) - truth

@@ -55,11 +55,6 @@ def test_exposures_fill_lens_and_shutter_evenly_and_the_seed_alone_decides_them(
     assert all(shot.at == 0 for shot in exposures(camera, 3, 0.0, 10.0))  # nothing moves before the first frame
 
 
-def circle_of_confusion(camera: Camera, focal: float, depth: float) -> float:
-    """Diameter in pixels of the disc that a point at a depth becomes; ``focal``: pixels a metre at a depth of one."""
-    return focal * camera.aperture * abs(1 / focus_of(camera, 0.0) - 1 / depth)
-
-
 def over_pixels(places: np.ndarray, light: np.ndarray, x: np.ndarray) -> np.ndarray:
     """The share of light that each pixel about x has from lines one pixel wide at these places."""
     share = np.array([np.sum(light * np.clip(1 - np.abs(places - middle), 0, None)) for middle in x])
@@ -71,7 +66,7 @@ def test_a_strand_out_of_focus_is_as_wide_as_the_circle_of_confusion(focus: floa
     """A line seen through a disc: its light across is the disc's chords, (8 / π d²) √(d²/4 − x²) a pixel."""
     image = line(f"aperture: {aperture}, focus: {focus}, samples: 1024")
     camera = Camera(position=(0.0, 0.0, 4.0), aperture=aperture, focus=focus)
-    circle = circle_of_confusion(camera, FOCAL, 4.0)
+    circle = FOCAL * aperture * abs(1 / focus_of(camera, 0.0) - 1 / 4.0)  # diameter, pixels
     assert circle > 4
     row = image[30]
     assert row.sum() == pytest.approx(1, abs=1e-4)  # the light of a line one pixel wide
