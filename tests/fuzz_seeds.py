@@ -3,7 +3,6 @@
 from __future__ import annotations
 
 import base64
-import importlib.util
 import io
 import json
 from collections.abc import Iterator
@@ -53,12 +52,9 @@ def seeds() -> dict[str, list[bytes]]:
     even, uneven, none = grooms()
     colours = np.ones((30, 3), "<f4").tobytes()
     positions = np.stack(even)
-    usd = {}
-    if importlib.util.find_spec("pxr"):
-        texts = [usd_kit.text(even), usd_kit.text(uneven[2:], basis="bspline", wrap="pinned"), usd_kit.moving(even)]
-        usd[".usd"] = [*(usd_kit.binary(one) for one in texts), *(one.encode() for one in texts)]
+    usds = [usd_kit.text(even), usd_kit.text(uneven[2:], basis="bspline", wrap="pinned"), usd_kit.moving(even)]
     return {
-        **usd,
+        ".usd": [*(usd_kit.binary(one) for one in usds), *(one.encode() for one in usds)],
         ".hair": [kit.hair(even), kit.hair(uneven), kit.hair(none), kit.hair(even, more=colours, flags=16)],
         ".data": [kit.data(even), kit.data(uneven), kit.data(none)],
         ".bin": [kit.data(even, 4), kit.data(uneven, 4)],
@@ -106,16 +102,12 @@ def mesh_seeds() -> dict[str, list[bytes]]:
 def camera_seeds() -> dict[str, list[bytes]]:
     """Whole files of each format of cameras, of a few views."""
     views, one = camera_kit.VIEWS[:3], [camera_kit.view(7, middle=True)]
-    of_usd = {}
-    if importlib.util.find_spec("pxr"):
-        flat = [camera_kit.view(8, perspective=False)]
-        of_usd[f"{CAMERA}a.usda"] = [usd.written(some) for some in (views, one, flat)]
     top = {"camera_angle_x": 0.6, "frames": [{"file_path": "a", "transform_matrix": np.eye(4).tolist()}]}
     nerf = [transforms.written(some, {"file_path": "images/{}.png"}, "1") for some in (views, one)]
     own = [{"views": [{"camera": view.as_dict()} for view in some]} for some in (views, one)]
     texts = [colmap.written(some, camera_kit.POINTS[:3]) for some in (views, one)]
     return {
-        **of_usd,
+        f"{CAMERA}a.usda": [usd.written(some) for some in (views, one, [camera_kit.view(8, perspective=False)])],
         f"{CAMERA}transforms.json": [json.dumps(tree).encode() for tree in (*nerf, top)],
         f"{CAMERA}dataset.json": [json.dumps(tree).encode() for tree in own],
         **{f"{CAMERA}{name}": [text[name] for text in texts] for name in COLMAP},

@@ -17,8 +17,6 @@ from strandcli.cameras.pinhole import Pinhole
 from strandcli.cameras.read import views_of
 from strandcli.errors import UsageError
 
-pxr = pytest.importorskip("pxr")
-
 
 def write(path: Path, text: str | bytes) -> Path:
     path.write_bytes(text if isinstance(text, bytes) else text.encode())

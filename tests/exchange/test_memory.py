@@ -91,7 +91,6 @@ def BasisCurves "a" {{
 
 
 def test_texts_of_usd_take_three_times_their_file(tmp_path: Path) -> None:
-    pytest.importorskip("pxr", reason="Pixar's library is not installed: pip install usd-core")
     small, large = tmp_path / "small.usda", tmp_path / "large.usda"
     point = "(0.25, 1, 2.5), (0, -1, 3.5)"
     small.write_text(LINES.format(counts="2", points=point))

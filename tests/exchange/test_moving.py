@@ -38,8 +38,6 @@ def moving() -> tuple[Strands, list[TimeSample]]:
 def test_points_at_several_times_are_read_again(
     suffix: str, strands: list[kit.Strand], frames: int, fps: float
 ) -> None:
-    if suffix != ".abc":
-        pytest.importorskip("pxr", reason="Pixar's library is not installed: pip install usd-core")
     held = kit.of(strands)
     held = replace(held, attributes=kit.attributes(held.count, held.points.shape[0]))
     told = [TimeSample((7 + i) / fps, held.points + np.float32(i)) for i in range(frames)]
@@ -87,8 +85,6 @@ def points(path: Path) -> list[Any]:
 
 @pytest.mark.parametrize("name", ["out.abc", "out.usd"])
 def test_all_moments_are_written(run: Runner, name: str) -> None:
-    if name == "out.usd":
-        pytest.importorskip("pxr", reason="Pixar's library is not installed: pip install usd-core")
     target = convert(run, name)
     found = kit.moments(target)
     told = moving()[1]

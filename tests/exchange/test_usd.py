@@ -179,7 +179,6 @@ CURVES
 }"""
 
 
-@pytest.mark.skipif(not hasattr(os, "mkfifo"), reason="there are no pipes with names")
 @pytest.mark.parametrize(
     "text",
     [

@@ -9,8 +9,6 @@ import pytest
 from strandcli.errors import UsageError
 from strandcli.exchange.files import ReadOptions, read
 
-pytest.importorskip("pxr", reason="Pixar's library is not installed: pip install usd-core")
-
 ROWS = 6_000
 """Of arrays that are long: of more than 64 KiB of text."""
 POINTS = ", ".join(f"({k % 7}, -{k}.125e-3, 1e{k % 9})" for k in range(ROWS))

@@ -5,7 +5,6 @@ from __future__ import annotations
 import json
 import os
 import re
-import shutil
 import stat
 import subprocess
 from pathlib import Path
@@ -80,8 +79,6 @@ FARM = ["farm", "tiny.yaml", "-f", "1-9x2", "--set", "wind.strength=3", "--chunk
 
 
 def test_slurm_draws_the_frames_of_a_plain_run_and_again_what_is_missing(run: Runner) -> None:
-    if shutil.which("sh") is None:
-        pytest.skip("no POSIX shell")
     assert run(*FARM, "--target", "slurm", "-o", "job", "--animate", "gif").code == 0
     Path("tiny.yaml").write_text(TINY.replace("0.6", "0.3"))  # which the job does not care for
     submit = ["sh", "job/submit.sh", "--partition=short"]
@@ -177,7 +174,6 @@ def test_too_many_tasks_are_refused_with_what_fits() -> None:
     assert len(jobs.chunks_of(range(1, 100_001))) == jobs.MOST_CHUNKS
 
 
-@pytest.mark.skipif(shutil.which("sh") is None, reason="no POSIX shell")
 def test_no_task_asks_for_more_threads_than_there_are(run: Runner, monkeypatch: pytest.MonkeyPatch) -> None:
     cores = usable_cores()
     monkeypatch.setenv("STRANDCLI", "echo")

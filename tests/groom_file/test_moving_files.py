@@ -71,15 +71,9 @@ def at(motion: Motion, time: float) -> list[Floats]:
     return np.split(motion(held, time), np.cumsum(COUNTS)[:-1])
 
 
-def require(form: str) -> None:
-    if form.startswith("usd"):
-        pytest.importorskip("pxr", reason="Pixar's library is not installed: pip install usd-core")
-
-
 @pytest.mark.parametrize(("form", "motion"), [("abc", turned), ("usda", turned), ("ply", turned), ("ply", grown)])
 def test_frame_n_draws_moment_n(tmp_path: Path, form: str, motion: Motion) -> None:
     """A file that is drawn by itself has as many frames as moments, and each draws its own."""
-    require(form)
     path = file_of(tmp_path, form, motion, [i / FPS for i in range(5)])
     given = groom_kit.scene(path)
     assert (given.time.frames, given.time.fps) == (5, pytest.approx(FPS))
@@ -89,7 +83,6 @@ def test_frame_n_draws_moment_n(tmp_path: Path, form: str, motion: Motion) -> No
 
 @pytest.mark.parametrize("form", ["abc", "usda"])
 def test_between_moments_points_move_in_straight_lines(tmp_path: Path, form: str) -> None:
-    require(form)
     path = file_of(tmp_path, form, turned, [0.0, 0.1, 0.5])
     given = groom_kit.scene(path, time__fps=40, time__frames=30)
     for number, strands in zip((3, 5, 6, 17, 21, 25), shown(given, (3, 5, 6, 17, 21, 25)), strict=True):
@@ -212,7 +205,6 @@ def test_what_is_not_shown_is_told(tmp_path: Path) -> None:
 
 
 def test_widths_that_change_with_time_are_told(tmp_path: Path) -> None:
-    pytest.importorskip("pxr", reason="Pixar's library is not installed: pip install usd-core")
     told = "    float[] widths.timeSamples = {\n 1: [.01],\n 3: [.02],\n }\n"
     path = tmp_path / "a.usda"
     path.write_text(usd_kit.HEAD + usd_kit.prim(STRANDS, more=told))
@@ -225,7 +217,6 @@ def test_widths_that_change_with_time_are_told(tmp_path: Path) -> None:
 
 def test_usd_says_itself_what_is_between_its_samples(tmp_path: Path) -> None:
     """A turn about an axis by two samples of its angle is a turn at every frame."""
-    require("usda")
     path = tmp_path / "a.usda"
     path.write_text(
         """#usda 1.0

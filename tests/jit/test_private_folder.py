@@ -26,8 +26,6 @@ from strandcli.doctor import NOTE
 from strandcli.jit.array_cache import cached_arrays
 from strandcli.run import pipeline
 
-pytestmark = pytest.mark.skipif(not hasattr(os, "getuid"), reason="this system has no such owners")
-
 
 @pytest.fixture
 def base(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> Path:

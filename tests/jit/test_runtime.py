@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import os
+import resource
 import signal
 import subprocess
 import sys
@@ -21,11 +22,6 @@ from strandcli.compiling.interrupts import interrupts
 from strandcli.doctor import BROKEN
 from strandcli.draw.zbuffer.kernels import lines, raster
 from strandcli.errors import UsageError
-
-try:
-    import resource
-except ImportError:  # no POSIX
-    resource = None  # type: ignore[assignment]
 
 
 @pytest.mark.parametrize(
@@ -70,7 +66,6 @@ def test_a_threading_layer_that_is_not_there_is_told(monkeypatch: pytest.MonkeyP
     assert runtime.checked_threads(None) >= 1
 
 
-@pytest.mark.skipif(resource is None, reason="no limits of addresses here")
 def test_too_few_addresses_for_the_libraries_are_refused(
     monkeypatch: pytest.MonkeyPatch, tmp_path: Path, run: Runner
 ) -> None:

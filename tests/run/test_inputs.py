@@ -157,8 +157,6 @@ def test_whatever_a_scene_reads_is_in_its_fingerprint(
     key: str, text: str, files: tuple[str, ...], folder: Path
 ) -> None:
     """Of the same size and time too, at once after it was read; and back again."""
-    if any(name.endswith(".usda") for name in files):
-        pytest.importorskip("pxr")
     scene = scene_of(text)
     with inputs.recording() as known:
         before = fingerprint(scene)
@@ -179,8 +177,6 @@ def test_whatever_a_scene_reads_is_in_its_fingerprint(
 
 @pytest.mark.parametrize(("key", "text", "files"), BOTH)
 def test_drawing_opens_nothing_else(key: str, text: str, files: tuple[str, ...], folder: Path) -> None:
-    if any(name.endswith(".usda") for name in files):
-        pytest.importorskip("pxr")
     scene = scene_of(text)
     with inputs.recording() as read:
         list(pipeline.render(scene, [1], threads=1))
@@ -268,7 +264,6 @@ def test_files_of_scenes_are_opened_in_one_module() -> None:
     assert found == OTHERWISE
 
 
-@pytest.mark.skipif(os.name == "nt", reason="the folder that a process is in cannot be removed there")
 def test_a_file_is_named_where_the_folder_that_the_process_is_in_is_gone(
     tmp_path: Path, monkeypatch: pytest.MonkeyPatch
 ) -> None:

@@ -140,8 +140,6 @@ raise SystemExit(status)
 def test_memory_is_what_a_run_takes(tmp_path: Path) -> None:
     """A slice of `make plan-figures`. Of LLVM's library, which is a file in memory, the system maps 40 MB or 100,
     as it holds the file in pages or in larger pieces: a fifth of this small run."""
-    if sys.platform == "win32":
-        pytest.skip("measured by wait4")
     found = measured(("minimal", "--size", "320x240", "-f", "1"), tmp_path, timed=False)
     assert found.within(), f"{found.planned / 1e6:.0f} MB planned, {found.peak / 1e6:.0f} MB measured"
 

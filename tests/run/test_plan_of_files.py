@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-import sys
 from pathlib import Path
 from typing import Any
 
@@ -59,8 +58,6 @@ def test_opacity_maps_of_a_file_are_planned(
 @pytest.mark.long
 def test_memory_is_what_a_run_takes(tmp_path: Path) -> None:
     """Of dense strands that need most of their points; smooth ones, of which a picture leaves most out, take less."""
-    if sys.platform == "win32":
-        pytest.skip("measured by wait4")
     path = groom(tmp_path / "a.npz", "tangle", 3000, 68)
     found = measured((path, "--size", "320x240", "-f", "1"), tmp_path, timed=False)
     assert found.within(), f"{found.planned / 1e6:.0f} MB planned, {found.peak / 1e6:.0f} MB measured"
