@@ -39,29 +39,13 @@ def measure(notify: Callable[[str], None] | None = None) -> Speed:
     meanwhile is not counted."""
     from . import load
     from .compiling import runtime
-    from .draw.common.drawing import ProcessorDrawing
-    from .draw.renderer import Renderer
-    from .run.frame import FrameRenderer
-    from .run.stages import RunOptions, SimulationStage
+    from .study.bench_preset import time_stages
 
-    class Timed(Renderer):
-        clocked = ProcessorDrawing
-
-    scene = load(PRESET, settings=SETTINGS)
     runtime.tell(notify)
-    took = []
     with runtime.thread_count(1):
-        moved = SimulationStage(scene, range(1, FRAMES + 1), None, RunOptions())
-        draw = FrameRenderer(moved, Timed)
-        for number in range(1, FRAMES + 1):
-            if notify is not None:
-                notify(f"measuring: frame {number} of {FRAMES}")
-            began = time.process_time()
-            begun = moved.begin(number)
-            simulated = time.process_time() - began
-            seconds = draw(begun).report["seconds"]
-            took.append(simulated + sum(value for stage, value in seconds.items() if stage != "simulate"))
-    return Speed(min(took) / REFERENCE, time.strftime("%Y-%m-%d"))
+        timed, _ = time_stages(load(PRESET, settings=SETTINGS), FRAMES - 1, time.process_time, notify)
+    took = min(sum(value for stage, value in seconds.items() if stage != "write") for seconds, _ in timed)
+    return Speed(took / REFERENCE, time.strftime("%Y-%m-%d"))
 
 
 def machine() -> dict[str, Any]:

@@ -41,17 +41,12 @@ def say(text: str, *, err: bool = False, nl: bool = True) -> None:
     click.echo(printable(text), err=err, nl=nl)
 
 
-def json_text(data: Any) -> str:
-    """``data`` as indented JSON, in which what does not print is escaped."""
-    text = json.dumps(data, indent=2, allow_nan=False, ensure_ascii=False)
-    if text.replace("\n", "").isprintable():
-        return text
-    return "".join(c if c == "\n" or c.isprintable() else json.dumps(c)[1:-1] for c in text)
-
-
 def print_json(data: Any) -> None:
-    """Machine data alone on stdout."""
-    click.echo(json_text(data))
+    """Machine data alone on stdout, as indented JSON, in which what does not print is escaped."""
+    text = json.dumps(data, indent=2, allow_nan=False, ensure_ascii=False)
+    if not text.replace("\n", "").isprintable():
+        text = "".join(c if c == "\n" or c.isprintable() else json.dumps(c)[1:-1] for c in text)
+    click.echo(text)
 
 
 class Progress:
@@ -121,7 +116,7 @@ class Progress:
             before, self.done = self.done, self.done + count
         if text and (self.verbose or self.lines):
             self.line(f"{self.label}: {self.done}/{self.total} {text}" if self.lines else text)
-        elif self.lines and _tenths(self.done, self.total) > _tenths(before, self.total):
+        elif self.lines and 10 * self.done // max(1, self.total) > 10 * before // max(1, self.total):
             self.line(f"{self.label}: {self.done:,} of {self.total:,} {self.each}s{self._left(now)}")
 
     def begin(self, total: int) -> None:
@@ -268,10 +263,6 @@ def pace(done: int, seconds: float, each: str = "frame") -> str:
     """How fast ``done`` pieces of work went: ``12.5 frames/s``, or ``3.2 s a frame`` where that is below one."""
     rate = done / seconds
     return f"{rate:.1f} {each}s/s" if rate >= 1 else f"{1 / rate:.1f} s a {each}"
-
-
-def _tenths(done: int, total: int) -> int:
-    return 10 * done // max(1, total)
 
 
 def _kind(text: str) -> str:

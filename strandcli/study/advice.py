@@ -69,9 +69,9 @@ def advise(scene: Scene, name: str, max_error: float, fixed: Sequence[str], step
     finer: dict[str, Any] = {} if "time.substeps" in fixed else {"substeps": (8, 16, 32)}
     finer |= {} if "emitter.particles" in fixed else {"particles": (particles, 2 * particles - 1)}
     for chosen in ({}, finer):
+        request = Request(scene=scene, name=name, solvers=(scene.solver,), fixed=frozenset(fixed), **chosen)
 
-        def study(chosen: Mapping[str, Any] = chosen) -> dict[str, Any]:
-            request = Request(scene=scene, name=name, solvers=(scene.solver,), fixed=frozenset(fixed), **chosen)
+        def study(request: Request = request) -> dict[str, Any]:
             found = sweep.run(Motion, request, None, step, begin)
             return {**found.as_dict(), "margin": found.margins[scene.solver]}
 
