@@ -107,7 +107,7 @@ def remember_shipped() -> None:
     time."""
     whole = {path.read_bytes() for path in FILES.glob("**/*.yaml")}
     known: dict[tuple[bytes, str], Any] = {}
-    parse = library.read
+    parse = library._read
 
     def read(data: bytes, file: str) -> Any:
         if data not in whole or not file.startswith(str(FILES)):
@@ -116,7 +116,7 @@ def remember_shipped() -> None:
             known[data, file] = parse(data, file)
         return known[data, file]
 
-    library.read = read
+    library._read = read
     library.list_presets = cache(library.list_presets)
 
 

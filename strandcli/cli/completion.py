@@ -25,12 +25,10 @@ if TYPE_CHECKING:
     from ..scene.fields import Setting
     from ..scene.model import Scene
 
-PRESETS = (".yaml", ".yml")
-
 
 def presets(ctx: click.Context, param: click.Parameter, incomplete: str) -> list[CompletionItem]:
-    """Shipped presets, and files and folders that begin with what is typed."""
-    return [*shipped(ctx, param, incomplete), *map(CompletionItem, files(incomplete))]
+    """Shipped presets; and files, which the shell completes."""
+    return [*shipped(ctx, param, incomplete), CompletionItem(incomplete, type="file")]
 
 
 def shipped(ctx: click.Context, param: click.Parameter, incomplete: str) -> list[CompletionItem]:
@@ -44,25 +42,6 @@ def clusters(ctx: click.Context, param: click.Parameter, incomplete: str) -> lis
     """What stands for a Dask cluster: workers of this machine, or how schedulers' addresses begin."""
     known = {"local": "workers of this machine, for this run", "tcp://": "a scheduler's address"}
     return [CompletionItem(word, help=words) for word, words in known.items() if word.startswith(incomplete)]
-
-
-def files(incomplete: str) -> list[str]:
-    """Paths of files that can be drawn, and of folders with a slash at their end."""
-    folder, begin = os.path.split(incomplete)
-    try:
-        with os.scandir(os.path.expanduser(folder) or ".") as entries:
-            found = [(one.name, one.is_dir()) for one in entries]
-    except OSError:
-        return []
-    from ..exchange.formats import suffixes
-
-    ends = (*PRESETS, *suffixes())
-    shown = sorted(one for one in found if one[0].startswith(begin) and (begin or not one[0].startswith(".")))
-    return [
-        os.path.join(folder, name) + ("/" if is_folder else "")
-        for name, is_folder in shown
-        if is_folder or name.lower().endswith(ends)
-    ]
 
 
 def keys(ctx: click.Context, param: click.Parameter, incomplete: str) -> list[CompletionItem]:

@@ -71,12 +71,7 @@ class FrameRange:
 
     def numbers(self) -> tuple[int, ...]:
         """Every frame once, in ascending order, however they were written."""
-        if len(self.parts) == 1:
-            return tuple(self.parts[0])
-        found: set[int] = set()
-        for part in self.parts:
-            found.update(part)
-        return tuple(sorted(found))
+        return tuple(sorted(set().union(*self.parts)))
 
     def within(self, total: int) -> tuple[int, ...]:
         """The frame numbers, for an animation of ``total`` frames; ``UsageError`` if one lies beyond its end."""

@@ -24,6 +24,8 @@ SUFFIXES = (".yaml", ".yml")
 DEEPEST_CHAIN = 8
 
 Rules = Mapping[str, RuleType]
+_read = lru_cache(maxsize=4)(read)
+"""As `read`; a preset is looked at several times where it is drawn again and again."""
 
 
 def folder() -> Path:
@@ -44,10 +46,9 @@ def list_presets() -> list[tuple[str, Path]]:
 def find(name: str) -> Path:
     """The shipped preset of this name. Raises UsageError, with a near name, where there is none."""
     presets = dict(list_presets())
-    if name in presets:
-        return presets[name]
-    lost = no_such_preset(name)
-    raise UsageError(lost)
+    if name not in presets:
+        raise UsageError(no_such_preset(name))
+    return presets[name]
 
 
 def no_such_preset(name: str, also: tuple[str, ...] = ()) -> str:
@@ -83,10 +84,8 @@ def describe(path: Path) -> str:
 
 def locate(given: str) -> Path:
     """The file of a preset: a shipped name, a path, or a path without its .yaml. Raises UsageError."""
-    if not given.endswith(SUFFIXES):
-        for name, shipped in list_presets():
-            if name == given:
-                return shipped
+    if not given.endswith(SUFFIXES) and (shipped := dict(list_presets()).get(given)):
+        return shipped
     path = Path(given)
     try:
         if path.is_file():
@@ -105,7 +104,7 @@ def locate(given: str) -> Path:
 
 def hidden_by_shipped(given: str) -> Path | None:
     """The file beside that has the name of a shipped preset, which is taken in its place; None where there is none."""
-    if given.endswith(SUFFIXES) or all(name != given for name, _ in list_presets()):
+    if given.endswith(SUFFIXES) or given not in dict(list_presets()):
         return None
     try:
         return _with_suffix(given)
@@ -152,12 +151,6 @@ def chain_of(source: Path, rules: Rules, files: list[str], faults: list[Fault], 
     return root
 
 
-@lru_cache(maxsize=4)
-def _read(data: bytes, file: str) -> tuple[MapNode, list[Fault]]:
-    """As `read`; a preset is looked at several times where it is drawn again and again."""
-    return read(data, file)
-
-
 def _parent(node: Node | None, paths: list[Path], faults: list[Fault]) -> Path | None:
     """The file that the last of some extends, by what it has under ``extends``; None where there is none, and with a
     fault where it cannot be."""
@@ -187,7 +180,7 @@ def _beside(path: Path, extends: str) -> Path:
     if extends.endswith(SUFFIXES):
         return locate(str(path.parent / extends))
     beside = _with_suffix(str(path.parent / extends))
-    if beside is None or any(name == extends for name, _ in list_presets()):
+    if beside is None or extends in dict(list_presets()):
         return find(extends)
     return beside
 

@@ -13,7 +13,7 @@ from .library import chain_of, feed, locate
 from .model import Scene
 from .nodes import ListNode, MapNode, Node, Scalar, kind_of, marks_of, node_of
 from .quality import settle, with_quality
-from .rule_type import RuleType, check_of, refusal
+from .rule_type import Check, RuleType, refusal
 from .settings import Unreachable, place
 from .specs import MOST_PANELS
 from .validate import Reader
@@ -195,7 +195,7 @@ def _one(root: MapNode, rules: Rules, rank: Rank) -> tuple[Scene, list[Fault]]:
     if any(_shakes_solids(path) for path in reported):
         return scene, reader.faults
     for use in scene.rules:
-        check = check_of(rules[use.name])
+        check: Check | None = getattr(rules[use.name], "check", None)
         if check is None or any(_touches(path, use.path) for path in reported):
             continue
         for inner, message in check(use.parameters, scene):

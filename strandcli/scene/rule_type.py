@@ -53,12 +53,6 @@ class RuleType(Protocol):
     Parameters: type
 
 
-def check_of(rule: RuleType) -> Check | None:
-    """The rule's own check, if it has one."""
-    check: Check | None = getattr(rule, "check", None)
-    return check
-
-
 def doc_of(rule: RuleType) -> str:
     """The rule's description on one line."""
     return getattr(rule, "doc", "") or first_paragraph(rule.__doc__)
