@@ -9,6 +9,8 @@ errors several times those of the first 2,000 in a small picture.
 from __future__ import annotations
 
 import time
+from abc import abstractmethod
+from collections.abc import Callable, Sequence
 from contextlib import suppress
 from typing import Any
 
@@ -18,11 +20,12 @@ from numpy.typing import NDArray
 from ...errors import RefusedError, UsageError
 from ...output.flip import mean_flip
 from ...plan import checked_plan
+from ...scene.fields import value_at
+from ...scene.model import Scene
 from ...scene.quality import LOOKS, QUALITIES, settings_for, shadowed
 from ..points import Parameters, Point, grid
-from ..sweep import Request, changed
-from . import Pictures
-from .subject import Picture
+from ..sweep import Experiment, Request, changed, knows
+from .subject import Picture, Subject
 from .windows import Windows
 
 SAMPLES = 16
@@ -40,25 +43,82 @@ ALWAYS = 2
 ADAPTIVE = {"curves.mode": "adaptive", "curves.level": FINEST}
 
 
-class WholeFrame(Pictures):
-    """Parameters of drawing that make a preset's picture cheaper or finer, strands and their number untouched. Seconds
-    are the processor's, so that other programs do not move the front."""
+class Pictures(Experiment):
+    """Pictures of one preset at many settings, each against one reference, which is finer by far.
 
+    As it is here: windows of the whole frame, at parameters of drawing that make it cheaper or finer, strands and their
+    number untouched. Seconds are the processor's, so that other programs do not move the front.
+    """
+
+    draws = True
+    metric, unit = "rmse", "of the mean of the reference picture"
     what = f"{SAMPLES}×{SAMPLES} samples a pixel, curves within {TOLERANCE} samples, opacity maps of {LAYERS} layers"
     of_processor = True
+    stages: tuple[str, ...] = ()
+    """Those whose time counts; none: all."""
+    references = 1
+    windows: Windows
 
     def __init__(self, request: Request) -> None:
+        self.request = request
+        self.subject = self.opened(request)
+        scene = self.subject.scene
+        size = "×".join(map(str, scene.image.size))
+        strands, every = scene.emitter.strands, self.subject.all_strands
+        of_all = "" if strands == every else f" of {every}"
+        self.title = f"{request.name}, {strands}{of_all} strands at {size}: {self.axis}"
+
+    def opened(self, request: Request) -> Subject:
+        """What is drawn."""
         if request.strands is not None:
             raise UsageError(f"--strands: axis {self.axis} draws all of them; use --set emitter.strands")
         scene = request.single if request.size is None else changed(request.single, {"image.size": request.size})
-        request = Request(scene=scene, name=request.name, frame=request.frame, fixed=request.fixed)
-        self.windows = Windows(request)
+        self.request = Request(scene=scene, name=request.name, frame=request.frame, fixed=request.fixed)
+        self.windows = Windows(self.request)
         self.windows.of_processor = self.of_processor
-        super().__init__(request, self.windows)
+        return self.windows
+
+    @property
+    def scene(self) -> Scene:
+        """The preset at the size that is studied."""
+        return self.subject.scene
+
+    @abstractmethod
+    def choices(self) -> Sequence[Parameters]:
+        """Settings to be tried. Those that the program does not have are left out by `settings`."""
 
     def series(self, parameters: Parameters) -> str:
-        """The resolver."""
+        """The line of the chart that a setting belongs to."""
         return str(parameters.get("image.resolver", self.scene.image.resolver))
+
+    def settings(self) -> list[Parameters]:
+        """The choices that there are, and that leave what was set by hand as it is. Raises `UsageError` for none."""
+        scene = self.scene
+        found = []
+        for parameters in self.choices():
+            paths = self.paths(parameters)
+            own = {path: value for path, value in paths.items() if path in self.request.fixed}
+            if all(knows(scene, path, value) for path, value in paths.items()) and all(
+                value_at(scene, path) == value for path, value in own.items()
+            ):
+                found.append(parameters)
+        if not found:
+            raise UsageError(f"--set: leaves nothing to be tried of {self.axis}; set fewer of its parameters")
+        return found
+
+    def paths(self, parameters: Parameters) -> Parameters:
+        """The settings by dotted path that a choice stands for."""
+        return parameters
+
+    def prepare(self, step: Callable[[str], None]) -> dict[str, Any]:
+        """Move the strands, and draw the reference."""
+        self.subject.move()
+        found = self.reference()
+        step(f"{self.subject.name}: reference")
+        return {
+            "name": self.subject.name, "frame": self.subject.frame, "size": list(self.scene.image.size),
+            "strands": self.scene.emitter.strands, "width_given": self.subject.widened, **found,
+        }  # fmt: skip
 
     def converged(self) -> dict[str, Any]:
         """The settings of the reference: sorted, which converges sooner, and with no fewer layers than the preset
@@ -104,8 +164,18 @@ class WholeFrame(Pictures):
         pairs = zip(self.windows.apart(self.fine.pixels), self.windows.apart(pixels), strict=True)
         return float(np.mean([mean_flip(one, other) for one, other in pairs]))
 
+    def measure(self, parameters: Parameters) -> Point:
+        """Draw one setting."""
+        picture = self.subject.draw(changed(self.scene, self.paths(parameters)))
+        return self.point(parameters, picture, self.errors(parameters, picture))
 
-class FrameStudy(WholeFrame):
+    def point(self, parameters: Parameters, picture: Picture, error: dict[str, float | None]) -> Point:
+        """The figures of a setting."""
+        seconds = sum(took for stage, took in picture.seconds.items() if not self.stages or stage in self.stages)
+        return Point(parameters, seconds, error, series=self.series(parameters), counts=picture.counts)
+
+
+class FrameStudy(Pictures):
     """What `render --max-error` chooses by: as many settings as there is time for."""
 
     axis = "frame"
@@ -146,7 +216,7 @@ class FrameStudy(WholeFrame):
         return found
 
     def reference(self) -> dict[str, Any]:
-        """As in `WholeFrame`; time runs from here on."""
+        """As in `Pictures`; time runs from here on."""
         self._began, self._measured = time.monotonic(), 0
         return super().reference()
 
@@ -158,7 +228,7 @@ class FrameStudy(WholeFrame):
         return Point(parameters, 0.0, {"rmse": None, "flip": None}, series=self.series(parameters))
 
 
-class CoverageStudy(WholeFrame):
+class CoverageStudy(Pictures):
     """Samples and resolvers of `image`, all other settings as the preset has them."""
 
     axis = "coverage"
@@ -174,7 +244,7 @@ class CoverageStudy(WholeFrame):
         return {"image.resolver": "sorted", "image.supersample": SAMPLES}
 
 
-class QualityStudy(WholeFrame):
+class QualityStudy(Pictures):
     """The three by name, and samples, tolerances and levels of detail about them, all of the settings of `default`
     else."""
 

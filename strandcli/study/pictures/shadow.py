@@ -24,8 +24,8 @@ from ...scene.model import DirectionalLight, Light, Scene
 from ..kernels import cylinders
 from ..points import Parameters
 from ..sweep import Request, changed, knows
-from . import Pictures
-from .subject import LinearRenderer, Picture
+from .frame import Pictures
+from .subject import LinearRenderer, Picture, Subject
 
 PROBES = 400
 RAYS = 2048
@@ -99,6 +99,10 @@ class ShadowStudy(Pictures):
         self.light = int(np.argmax(power))
         self.path = f"lights.{self.light}.shadow"
         self.title += f" of light {self.light}"
+
+    def opened(self, request: Request) -> Subject:
+        """The first strands, small."""
+        return Subject(request)
 
     def choices(self) -> list[Parameters]:
         """Every model, coarse to fine; of deep maps the layers as well."""
