@@ -54,7 +54,8 @@ def command(
     scene = options.load_scene(preset, **scene_settings)
     numbers = options.frame_numbers(frames, scene, from_cache)
     several = len(numbers) > 1 and not moving
-    paths = {number: _numbered(target, number) if several else target for number in numbers}
+    name = f"{target.stem}_{{:04d}}{target.suffix}" if several else target.name
+    paths = {number: target.with_name(name.format(number)) for number in numbers}
     for path in dict.fromkeys(paths.values()):
         options.refuse_existing(path, overwrite)
 
@@ -77,10 +78,6 @@ def command(
 
         found = _write(stepped(), paths, moving and len(numbers) > 1, scene, lost)
     _report(target, found, len(numbers), list(dict.fromkeys(paths.values())), list(lost), talk)
-
-
-def _numbered(target: Path, number: int) -> Path:
-    return target.with_name(f"{target.stem}_{number:04d}{target.suffix}")
 
 
 def _write(

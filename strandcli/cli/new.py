@@ -44,7 +44,9 @@ def command(name: Path, groom: Path | None, head: Path | None, overwrite: bool, 
         placed, warning = new.strands_on(_there(groom, "--groom"), on, head, path)
     elif groom is not None:
         placed = new.strands(_there(groom, "--groom"), path)
-    write_pieces(path, [new.text(_title(groom, head), path.name, path.stem, placed, on).encode()])
+    strands = "Hair" if groom is None else f"The strands of {groom.name}"
+    where = f" on {head.name}" if head is not None else " on a ball that turns" if groom is None else ""
+    write_pieces(path, [new.text(one_line(strands + where), path.name, path.stem, placed, on).encode()])
     if warning is not None:
         say(f"warning: {warning}", err=True)
     if not quiet:
@@ -73,10 +75,3 @@ def _there(path: Path, option: str) -> Path:
     if not path.is_file():
         raise UsageError(f"{option} {one_line(str(path))}: no such file")
     return path
-
-
-def _title(groom: Path | None, head: Path | None) -> str:
-    if groom is None and head is None:
-        return "Hair on a ball that turns"
-    strands = "Hair" if groom is None else f"The strands of {groom.name}"
-    return one_line(strands if head is None else f"{strands} on {head.name}")

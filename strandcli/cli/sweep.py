@@ -18,7 +18,7 @@ import click
 
 from ..common.counted import counted
 from ..errors import SimulationError, UsageError
-from ..scene.faults import Fault, SceneError
+from ..scene.faults import SceneError
 from . import completion, options, signals
 from .progress import print_json, say
 from .values import Parsed, stepped
@@ -81,14 +81,9 @@ def _check(wanted: Sequence[Point], folder: Path, settings: Mapping[str, Any]) -
         try:
             scene = options.load_scene(settings["preset"], **own, overrides=overrides)
         except SceneError as error:
-            raise SceneError(_as_given(fault, point) for fault in error.faults) from None
+            own = {f"--set {text}": f"--sweep {text}" for text in point.overrides()}
+            raise SceneError(replace(fault, file=own.get(fault.file, fault.file)) for fault in error.faults) from None
         options.frame_numbers(settings["frames"], scene, settings["from_cache"])
-
-
-def _as_given(fault: Fault, point: Point) -> Fault:
-    """A fault of a point's setting, named by the option that it is from."""
-    option, _, text = fault.file.partition(" ")
-    return replace(fault, file=f"--sweep {text}") if option == "--set" and text in point.overrides() else fault
 
 
 def _entry(point: Point, folder: Path) -> dict[str, Any]:

@@ -100,7 +100,10 @@ def compare_files(first: Path, second: Path, threshold: int = 0) -> Compared:
         raise MismatchError(f"{first} and {second}: sizes differ: {width}x{height} against {wide}x{high}")
     images = png.read_samples(first), png.read_samples(second)
     channels = max(image.shape[2] for image in images)
-    one, two = (image if image.shape[2] == channels else _opaque(image) for image in images)
+    padding = [(0, 0), (0, 0), (0, 1)]
+    one, two = (
+        image if image.shape[2] == channels else np.pad(image, padding, constant_values=255) for image in images
+    )
     opaque = [path for path, image in zip((first, second), images, strict=True) if image.shape[2] < channels]
     note = f"{opaque[0]} has no alpha, as the other has: taken as opaque" if opaque else ""
     try:
@@ -146,11 +149,6 @@ def _associated(image: Samples) -> Samples:
     if image.shape[2] == 3:
         return image
     return np.dstack([image[..., :3] * (image[..., 3:] / 255.0), image[..., 3:]])
-
-
-def _opaque(image: Samples) -> Samples:
-    """The same with an alpha channel."""
-    return np.concatenate([image, np.full((*image.shape[:2], 1), 255, image.dtype)], axis=2)
 
 
 def _difference(first: Samples, second: Samples) -> Any:

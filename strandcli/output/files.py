@@ -53,7 +53,9 @@ def placed(path: Path, suffix: str = "") -> Iterator[Path]:
     temporary = temporary_name(path)
     temporary = temporary.with_name(temporary.name + suffix)
     try:
-        _sweep(path.parent)
+        if path.parent not in _swept:
+            _swept.add(path.parent)
+            remove_strays(path.parent)
         yield temporary
         os.replace(temporary, path)
     except OSError as error:
@@ -85,12 +87,6 @@ BYTES_PER_PIXEL = 1.5
 _CHANNELS = {"tangent": 3, "linear": 4}
 _swept: set[Path] = set()
 """Folders where this process has looked for temporary files of killed ones."""
-
-
-def _sweep(directory: Path) -> None:
-    if directory not in _swept:
-        _swept.add(directory)
-        remove_strays(directory)
 
 
 def write_pieces(path: Path, pieces: Iterable[bytes]) -> None:

@@ -179,7 +179,9 @@ def over(image: Pixels, colour: Rgb = GREY) -> Pixels:
     found = np.where(alpha[..., None] == 255, image[..., :3], ground)
     some = (alpha > 0) & (alpha < 255)
     share = alpha[some, None] / 255
-    found[some] = _encoded(share * linear_light(image[some, :3]) + (1 - share) * linear_light(ground))
+    found[some] = np.rint(
+        255 * srgb.encoded(share * linear_light(image[some, :3]) + (1 - share) * linear_light(ground))
+    )
     return found
 
 
@@ -195,8 +197,3 @@ def flattened(image: Any, colour: Rgb = GREY) -> Any:
 def linear_light(levels: NDArray[Any]) -> NDArray[np.float64]:
     """sRGB from 0 to 255 as linear light, 0 to 1 (IEC 61966-2-1)."""
     return srgb.decoded(levels / 255)
-
-
-def _encoded(linear: NDArray[np.float64]) -> Pixels:
-    """Linear light in [0, 1] to 8-bit sRGB."""
-    return np.rint(255 * srgb.encoded(linear)).astype(np.uint8)

@@ -4,7 +4,7 @@ from __future__ import annotations
 
 from collections import Counter
 from collections.abc import Sequence
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from pathlib import Path
 from typing import Any
 
@@ -43,7 +43,7 @@ def gather(sources: Sequence[Path], leave_out: Path | None = None) -> list[Cell]
     for source in sources:
         if source.is_dir():
             found = [Cell(path, path.stem) for path in _images(source, leave_out)]
-            if found and (len(sources) > 1 or len(found) == 1) and _is_frame(found[-1].path):
+            if found and (len(sources) > 1 or len(found) == 1) and found[-1].path.stem.startswith("frame_"):
                 found = [Cell(found[-1].path, source.name)]
             if not found:
                 inner = [(folder, _images(folder, leave_out)) for folder in sorted(source.iterdir()) if folder.is_dir()]
@@ -56,16 +56,9 @@ def gather(sources: Sequence[Path], leave_out: Path | None = None) -> list[Cell]
         else:
             raise UsageError(f"{source}: no such file or folder")
     labels = Counter(cell.label for cell in cells)
-    return [Cell(one.path, _label(one) if labels[one.label] > 1 else one.label) for one in cells]
-
-
-def _label(cell: Cell) -> str:
-    """The label of an image whose file is called as another one's."""
-    return f"{cell.path.parent.name}/{cell.path.stem}" if cell.label == cell.path.stem else cell.label
-
-
-def _is_frame(path: Path) -> bool:
-    return path.stem.startswith("frame_")
+    twins = [labels[one.label] > 1 and one.label == one.path.stem for one in cells]
+    return [replace(one, label=f"{one.path.parent.name}/{one.label}") if twin else one
+            for one, twin in zip(cells, twins, strict=True)]  # fmt: skip
 
 
 def _images(folder: Path, leave_out: Path | None) -> list[Path]:

@@ -109,7 +109,8 @@ def sizes_of(scene: Scene, strands: int, frames: Sequence[int]) -> Sizes:
 
         groom = from_scene(scene).groom
         assert groom.points is not None
-        apart = spacing_of(groom.points, groom.strands) * math.sqrt(_in_file(scene) / max(drawn * share, 1.0))
+        there = emitter.strands if emitter.followers is None else emitter.followers.strands
+        apart = spacing_of(groom.points, groom.strands) * math.sqrt(there / max(drawn * share, 1.0))
     if pressed := next((use.parameters.density for use in scene.rules if use.name == "interaction"), 0.0):
         apart = min(apart, PRESSED / math.sqrt(pressed))  # the weight of what hangs brings them as near
     made = round(drawn * share) if scene.children is not None else drawn
@@ -123,12 +124,6 @@ def reach_of(scene: Scene) -> float:
         return emitter.extent.radius
     hangs = emitter.comb is not None or emitter.tie is not None or isinstance(emitter.shape, MeshShape)
     return surface(scene)[1] + (HANGING if hangs else 1.0) * mean_length(scene)
-
-
-def _in_file(scene: Scene) -> int:
-    """Return the number of strands that a scene's file has."""
-    followers = scene.emitter.followers
-    return scene.emitter.strands if followers is None else followers.strands
 
 
 def most_strands(scene: Scene, strands: int, times: Sequence[float]) -> int:

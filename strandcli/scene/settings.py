@@ -48,7 +48,9 @@ def merge(base: Node | None, over: Node, spec: specs.Spec | None, rules: Mapping
     ):
         return base
     if isinstance(spec, specs.RulesSpec) and isinstance(over, MapNode) and isinstance(base, ListNode):
-        return _patched(base, over, rules)
+        for name, entry in over.entries.items():  # the order stays; null takes a rule out
+            base = _place_rule(base, [name], entry.node, rules)
+        return base
     if not isinstance(base, MapNode) or not isinstance(over, MapNode):
         return over
     if isinstance(spec, specs.UnionSpec) and _kind(over, _kind(base, "")) != _kind(base, ""):
@@ -213,14 +215,6 @@ def _listed(node: Node | None) -> list[RuleEntry]:
         elif isinstance(item, Scalar):
             found.append(RuleEntry(item.text, index, MapNode({}, item.mark)))
     return found
-
-
-def _patched(base: ListNode, over: MapNode, rules: Mapping[str, RuleType]) -> Node:
-    """A list of rules with the changes of a mapping, where null takes a rule out. The order stays."""
-    node: Node = base
-    for name, entry in over.entries.items():
-        node = _place_rule(node, [name], entry.node, rules)
-    return node
 
 
 def _rule_part(part: str) -> tuple[str, int]:

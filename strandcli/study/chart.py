@@ -172,16 +172,13 @@ def _labels(points: Sequence[Point], places: dict[int, XY]) -> list[str]:
         for dx, dy in ((12, -13), (12, 13), (-12 - wide, -13), (-12 - wide, 13), (12, -28), (-12 - wide, 28), (12, 28)):
             box = (x + dx, y + dy - high / 2, x + dx + wide, y + dy + high / 2)
             inside = box[0] > LEFT and box[2] < WIDTH - RIGHT + 6 and box[1] > TOP and box[3] < HEIGHT - BOTTOM
-            if inside and not any(_overlap(box, other) for other in taken):
+            covers = (box[0] < x1 and x0 < box[2] and box[1] < y1 and y0 < box[3] for x0, y0, x1, y1 in taken)
+            if inside and not any(covers):
                 taken.append(box)
                 side = (x - 12, "end") if dx < 0 else (x + 12, "start")
                 items.append(text((side[0], y + dy), words, INK, 11.5, side[1]))
                 break
     return items
-
-
-def _overlap(a: tuple[float, float, float, float], b: tuple[float, float, float, float]) -> bool:
-    return a[0] < b[2] and b[0] < a[2] and a[1] < b[3] and b[1] < a[3]
 
 
 def _legend(study: Study, styles: dict[str, tuple[str, str]]) -> list[str]:

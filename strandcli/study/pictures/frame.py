@@ -15,7 +15,6 @@ from contextlib import suppress
 from typing import Any
 
 import numpy as np
-from numpy.typing import NDArray
 
 from ...errors import RefusedError, UsageError
 from ...output.flip import mean_flip
@@ -148,21 +147,15 @@ class Pictures(Experiment):
         return {"material.width": self.scene.material.width, "material.taper": self.scene.material.drawn_taper}
 
     def errors(self, parameters: Parameters, picture: Picture) -> dict[str, float | None]:
-        """Of the picture: root mean square in linear light, and ꟻLIP."""
+        """Of the windows: root mean square difference of their light from the reference's, a share of the mean light of
+        all of the frame that has strands, and mean ꟻLIP of their pixels."""
+        fine, windows = self.fine, self.windows
         assert picture.pixels is not None
-        return {"rmse": self.rmse(picture.image), "flip": self.flip(picture.pixels)}
-
-    def rmse(self, image: NDArray[np.float64]) -> float | None:
-        """Root mean square difference of the windows' light, one below the other, from the reference's, a share of the
-        mean light of all of the frame that has strands."""
-        off = float(np.sqrt(((image - self.fine.image) ** 2).mean()))
-        return off / self.windows.mean if self.windows.mean > 0 else None
-
-    def flip(self, pixels: NDArray[np.uint8]) -> float:
-        """Mean ꟻLIP of the windows' pixels, one below the other, against the reference's."""
-        assert self.fine.pixels is not None
-        pairs = zip(self.windows.apart(self.fine.pixels), self.windows.apart(pixels), strict=True)
-        return float(np.mean([mean_flip(one, other) for one, other in pairs]))
+        assert fine.pixels is not None
+        off = float(np.sqrt(((picture.image - fine.image) ** 2).mean()))
+        pairs = zip(windows.apart(fine.pixels), windows.apart(picture.pixels), strict=True)
+        flip = float(np.mean([mean_flip(one, other) for one, other in pairs]))
+        return {"rmse": off / windows.mean if windows.mean > 0 else None, "flip": flip}
 
     def measure(self, parameters: Parameters) -> Point:
         """Draw one setting."""

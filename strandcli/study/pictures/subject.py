@@ -80,7 +80,9 @@ class Subject:
             )
         self.all_strands = scene.drawn_strands
         strands = min(request.strands or STRANDS, self.all_strands)
-        scene = changed(scene, {"image.size": request.size or _small(scene.image.size)})
+        share = min(1.0, math.sqrt(PIXELS / math.prod(scene.image.size)))
+        small = tuple(max(1, round(side * share)) for side in scene.image.size)
+        scene = changed(scene, {"image.size": request.size or small})
         drawn = changed(scene, {"children": None, "emitter.strands": strands})
         self._guiding = drawn if scene.children is None else scene
         self.name, self.frame = request.name, request.frame
@@ -169,9 +171,3 @@ class Subject:
                 seconds[stage] = min(took, seconds.get(stage, math.inf))
         assert renderer.linear is not None
         return Picture(renderer.linear, seconds, dict(drawing.counts), drawing.image, drawing.aovs)
-
-
-def _small(size: tuple[int, int]) -> tuple[int, int]:
-    """A picture's size at about `PIXELS` pixels, of its shape; a smaller one as it is."""
-    share = min(1.0, math.sqrt(PIXELS / (size[0] * size[1])))
-    return max(1, round(size[0] * share)), max(1, round(size[1] * share))

@@ -148,16 +148,6 @@ def rigidity() -> float:
     return float((SLOWEST / beam().frequencies[0]) ** 2)
 
 
-def beam_case(particles: int) -> Case:
-    """A level strand of a metre on which gravity sets in, so that every mode swings about its own rest."""
-    return Case(preset(rigidity(), 1, particles, gravity=LIGHT * rigidity()), groom([[1, 0, 0]], [1.0]))
-
-
-def swing_case(particles: int) -> Case:
-    """A strand that bends freely, let go off the vertical in air that does not slow it."""
-    return Case(preset(0.0, 1, particles), groom([[math.sin(LET_GO), -math.cos(LET_GO), 0]], [LENGTH]))
-
-
 def measure_swing(track: Track) -> Errors:
     """``loss``: share of the first mode's amplitude lost in a cycle; ``frequency 1``; ``swing``: both, as the error of
     a complex frequency; ``growth``: highest rise of the centre of mass above where it was let go, as a share of the
@@ -173,11 +163,15 @@ BEAM = Reference(
     name="beam", title="frequencies of a clamped beam", metric="swing", unit="of the frequency",
     needs="bending stiffness in physical units, inertia", span=4.0, moving=True, steps=STEPS,
     exact=lambda: {f"β² {i + 1}": float(value) for i, value in enumerate(beam().frequencies)},
-    case=beam_case, measure=lambda track: errors(beam(), math.sqrt(rigidity()), track, axis=1),
+    # a level strand of a metre on which gravity sets in, so that every mode swings about its own rest
+    case=lambda n: Case(preset(rigidity(), 1, n, gravity=LIGHT * rigidity()), groom([[1, 0, 0]], [1.0])),
+    measure=lambda track: errors(beam(), math.sqrt(rigidity()), track, axis=1),
 )  # fmt: skip
 SWING = Reference(
     name="swing", title="hair that swings at the steps of a film", metric="swing", unit="of the frequency",
     needs="inertia", span=6.0, moving=True, steps=(1 / 24, 1 / 48, 1 / 96, 1 / 192),
     exact=lambda: {"ω": float(chain().frequencies[0]) * math.sqrt(G / LENGTH)},
-    case=swing_case, measure=measure_swing,
+    # a strand that bends freely, let go off the vertical in air that does not slow it
+    case=lambda n: Case(preset(0.0, 1, n), groom([[math.sin(LET_GO), -math.cos(LET_GO), 0]], [LENGTH])),
+    measure=measure_swing,
 )  # fmt: skip

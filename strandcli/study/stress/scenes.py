@@ -7,7 +7,7 @@ and gravity points down, so that straight is not its rest.
 from __future__ import annotations
 
 import math
-from collections.abc import Mapping, Sequence
+from collections.abc import Sequence
 from dataclasses import replace
 from typing import Any
 
@@ -32,6 +32,8 @@ CLOSE = 0.05
 """By how much their roots are brought together where no solid is in their way."""
 RADIUS = 0.02
 """Of theirs, in L: the rest have 2 L, which no cell could be smaller than."""
+POWERS = {"thickness": 1, "cell": 1, "density": -2}
+"""Of L, that settings of what strands do to each other grow with."""
 COIL, AXIS = 0.6, np.array([0.8, 0.6, 0.0])
 """Radians by which a coil's edges turn from one to the next, about which unit vector."""
 
@@ -72,7 +74,8 @@ def scene_of(case: Case, times: NDArray[np.float64]) -> Scene:
         rules.append(("collision", {"segments": case.value("collide")}))
     if case.solver == "thesis":
         rules.append(("elasticity", {}))
-    rules += [(name, _scaled(given, L)) for name, given in case.value("between").items()]
+    for name, given in case.value("between").items():  # of an L of 1
+        rules.append((name, {key: value * L ** POWERS.get(key, 0) for key, value in given.items()}))
     # radius 2 and density 1 make B / (ρ A) = E R² / (4 ρ) Young's modulus itself
     radius = RADIUS * L if case.grouped else 2.0
     matter: dict[str, Any] = {"rest": "straight", **case.value("twist")}
@@ -90,12 +93,6 @@ def scene_of(case: Case, times: NDArray[np.float64]) -> Scene:
         rules=tuple(RuleUse(name, registry()[name].Parameters(**given), name) for name, given in rules),
         solids=solids,
     )  # fmt: skip
-
-
-def _scaled(settings: Mapping[str, Any], L: float) -> dict[str, Any]:
-    """Settings for an L of 1 for strands of any length."""
-    powers = {"thickness": 1, "cell": 1, "density": -2}
-    return {key: value * L ** powers[key] if key in powers else value for key, value in settings.items()}
 
 
 def groom_of(cases: Sequence[Case]) -> Groom:
