@@ -240,12 +240,14 @@ class Beside:
     def picture(self, name: str) -> npt.NDArray[np.uint8] | None:
         """The pixels (h, w, 3) of a picture; None where there is none that can be read."""
         try:
-            found = picture(self.get(name))
+            content = self.get(name)
         except (OSError, ValueError):
             return None
-        if found is None:
+        try:
+            return pixels(bytes(content))
+        except ValueError:
             self.unread.append(name[:80])
-        return found
+            return None
 
     def _read(self, path: Path) -> bytearray:
         try:
@@ -260,16 +262,6 @@ class Beside:
     def size(self) -> int:
         """Bytes of the files that were read."""
         return sum(map(len, self._contents.values()))
-
-
-def picture(content: bytes | bytearray) -> npt.NDArray[np.uint8] | None:
-    """The pixels (h, w, 3) of a picture's file; None where it cannot be read."""
-    try:
-        return pixels(bytes(content))
-    except MemoryError:
-        raise
-    except Exception:  # whatever a damaged picture raises
-        return None
 
 
 def whole(path: Path, what: str) -> bytearray:

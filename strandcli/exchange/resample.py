@@ -46,11 +46,8 @@ def resampled(strands: Strands, count: int) -> tuple[Strands, Change]:
 
 def _some(strands: Strands, count: int) -> Iterator[tuple[slice, Offsets, slice]]:
     """All strands, some at once, which get so many points each: which, their offsets, and which points are theirs."""
-    some, last = max(1, AT_ONCE // count), 0
+    some = max(1, AT_ONCE // count)
     for rows, _ in spans(strands.first, AT_ONCE):
-        if rows.start < last:  # a strand in parts is once
-            continue
-        last = rows.stop
         for begin in range(rows.start, rows.stop, some):
             end = min(begin + some, rows.stop)
             first = strands.first[begin : end + 1]

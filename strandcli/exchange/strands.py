@@ -106,10 +106,8 @@ class Strands:
             steps = np.diff(self.points[points.start : points.stop + 1].astype(np.float64), axis=0)
             long = np.zeros(points.stop - points.start)
             long[: len(steps)] = np.minimum(np.sqrt(np.einsum("ij,ij->i", steps, steps)), LARGEST).astype(np.float32)
-            tips = self.first[rows.start + 1 : rows.stop + 1] - 1 - points.start
-            long[tips[tips < long.size]] = 0
-            sums = found[rows] + np.add.reduceat(long, np.maximum(self.first[rows] - points.start, 0))
-            found[rows] = np.minimum(sums, most)
+            long[self.first[rows.start + 1 : rows.stop + 1] - 1 - points.start] = 0
+            found[rows] = np.minimum(np.add.reduceat(long, self.first[rows] - points.start), most)
         return found
 
     def roots(self) -> Points:
@@ -173,24 +171,13 @@ def even_offsets(strands: int, points: int) -> Offsets:
 
 
 def spans(first: Offsets, most: int = CHUNK) -> Iterator[tuple[slice, slice]]:
-    """All strands of offsets (S + 1,) and their points, some at once: whole strands that have ``most`` points together,
-    or a part of one that has more. So what is computed meanwhile takes little memory, whatever the strands."""
+    """All strands of offsets (S + 1,) and their points, some at once: those that have ``most`` points together, or one
+    that has more. So what is computed meanwhile takes little memory."""
     low, count = 0, first.size - 1
     while low < count:
-        high = int(np.searchsorted(first, first[low] + most, side="right")) - 1
-        if high > low:
-            yield slice(low, high), slice(int(first[low]), int(first[high]))
-        else:
-            high = low + 1
-            for begin in range(int(first[low]), int(first[high]), most):
-                yield slice(low, high), slice(begin, min(begin + most, int(first[high])))
+        high = max(int(np.searchsorted(first, first[low] + most, side="right")) - 1, low + 1)
+        yield slice(low, high), slice(int(first[low]), int(first[high]))
         low = high
-
-
-def counts_in(first: Offsets, rows: slice, points: slice) -> Offsets:
-    """How many of some points are of each of the strands that `spans` yields with them."""
-    ends = np.clip(first[rows.start : rows.stop + 1], points.start, points.stop)
-    return ends[1:] - ends[:-1]
 
 
 def without_short(strands: Strands) -> Strands:

@@ -62,8 +62,7 @@ def edges_of(strands: Strands) -> Iterator[Any]:
     """Pairs of points that strands join, as bytes, some at once."""
     for rows, points in spans(strands.first):
         low = np.arange(points.start, points.stop)
-        tips = strands.first[rows.start + 1 : rows.stop + 1] - 1
-        low = np.delete(low, tips[tips < points.stop] - points.start)
+        low = np.delete(low, strands.first[rows.start + 1 : rows.stop + 1] - 1 - points.start)
         yield raw(np.stack([low, low + 1], axis=1), "<i4")
 
 

@@ -117,23 +117,28 @@ def _require_whole_chunks(file: BinaryIO) -> None:
 
 
 def pixels(source: Path | str | bytes) -> npt.NDArray[np.uint8]:
-    """(height, width, 3) of a file or of a file's content, at most `MOST` pixels. Raises what `opened` and `samples`
-    raise. Rows are converted some at once: Pillow takes four bytes a pixel beside the result, and no more."""
-    with opened(source) as image:
-        if image.width * image.height > MOST:
-            raise ValueError(f"{image.width} x {image.height} pixels are more than {MOST:,}; scale it down")
-        require_pixels(image)
-        deep = _is_grey_of_16(image)
-        image.load()
-        found = np.empty((image.height, image.width, 3), np.uint8)
-        step = max(1, AT_ONCE // image.width)
-        for row in range(0, image.height, step):
-            part = image.crop((0, row, image.width, min(row + step, image.height)))
-            if deep:
-                found[row : row + step] = np.rint(np.asarray(part)[..., None] / STEP)
-            else:
-                found[row : row + step] = np.asarray(part.convert("RGB"))
-    return found
+    """(height, width, 3) of a file or of a file's content, at most `MOST` pixels. Raises `ValueError` for what cannot
+    be read. Rows are converted some at once: Pillow takes four bytes a pixel beside the result, and no more."""
+    try:
+        with opened(source) as image:
+            if image.width * image.height > MOST:
+                raise ValueError(f"{image.width} x {image.height} pixels are more than {MOST:,}; scale it down")
+            require_pixels(image)
+            deep = _is_grey_of_16(image)
+            image.load()
+            found = np.empty((image.height, image.width, 3), np.uint8)
+            step = max(1, AT_ONCE // image.width)
+            for row in range(0, image.height, step):
+                part = image.crop((0, row, image.width, min(row + step, image.height)))
+                if deep:
+                    found[row : row + step] = np.rint(np.asarray(part)[..., None] / STEP)
+                else:
+                    found[row : row + step] = np.asarray(part.convert("RGB"))
+            return found
+    except (MemoryError, ValueError):
+        raise
+    except Exception as error:  # whatever a damaged picture raises
+        raise ValueError(str(error)) from None
 
 
 def is_transparent(path: str) -> bool:

@@ -37,12 +37,9 @@ class Pyramid(NamedTuple):
 def picture(path: str) -> NDArray[np.uint8]:
     """(h, w, 3) sRGB, the first row at the top. Raises `UsageError` for what is no picture."""
     with about("picture", path):
-        data = content(path)
         try:
-            return pixels(data)
-        except MemoryError:
-            raise
-        except Exception:  # whatever a damaged picture raises
+            return pixels(content(path))
+        except ValueError:
             raise UsageError(
                 f"{path}: is no picture that can be read, of up to {MOST:,} pixels; take a PNG or a JPEG"
             ) from None

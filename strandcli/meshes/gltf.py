@@ -10,8 +10,9 @@ import numpy as np
 import numpy.typing as npt
 
 from ..errors import UsageError
-from ..exchange.bounded import Beside, picture
+from ..exchange.bounded import Beside
 from ..exchange.gltf_file import Gltf, placed_meshes
+from ..files.picture_samples import pixels
 from .make import RawMesh, lines_beside
 
 TRIANGLES, OTHERS = 4, (5, 6)
@@ -195,9 +196,10 @@ def with_texture(file: Gltf, part: RawMesh, primitives: list[dict[str, Any]]) ->
         elif found is None:
             image, where = file.named("images", index, "texture"), f"images[{index}]"
             content = file.content(image["uri"], where) if "uri" in image else file.view(image.get("bufferView"), where)
-            found = picture(bytes(content))
-            if found is None:
-                raise file.fault(where, "is no picture that can be read, such as PNG or JPEG")
+            try:
+                found = pixels(bytes(content))
+            except ValueError:
+                raise file.fault(where, "is no picture that can be read, such as PNG or JPEG") from None
     if len(set(images)) > 1:
         notes.append(f"{len(set(images))} textures: the first is taken for all of it")
     return replace(part, texture=found, notes=(*part.notes, *notes))

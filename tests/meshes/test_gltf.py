@@ -18,7 +18,7 @@ from PIL import Image
 
 import mesh_kit as kit
 from strandcli.errors import UsageError
-from strandcli.exchange.bounded import Beside, picture
+from strandcli.exchange.bounded import Beside
 from strandcli.files import picture_samples
 from strandcli.meshes import gltf
 from strandcli.meshes.gltf import read_gltf
@@ -139,9 +139,9 @@ def test_a_picture_of_many_primitives_is_decoded_once(tmp_path: Path, monkeypatc
 
     def counted(content: bytes) -> Any:
         decoded.append(len(content))
-        return picture(content)
+        return picture_samples.pixels(content)
 
-    monkeypatch.setattr(gltf, "picture", counted)
+    monkeypatch.setattr(gltf, "pixels", counted)
     mesh = read_mesh(path)
     assert mesh.texture.shape == (2000, 2000, 3)
     assert len(decoded) == 1

@@ -108,5 +108,4 @@ def _words(strands: Strands, width: int) -> Iterable[Any]:
         numbers = np.zeros((points.stop - points.start, width), "<f4")
         numbers[:, :PLAIN] = strands.points[points]
         begins, counts = strands.first[rows] - points.start, np.diff(strands.first[rows.start : rows.stop + 1])
-        here = begins >= 0  # a strand in parts has its count before the first
-        yield raw(np.insert(numbers.view("<i4").reshape(-1), width * begins[here], counts[here]), "<i4")
+        yield raw(np.insert(numbers.view("<i4").reshape(-1), width * begins, counts), "<i4")

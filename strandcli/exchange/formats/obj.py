@@ -16,8 +16,8 @@ from ..bounded import Growing, not_finite, opened
 from ..files import ReadOptions
 from ..obj_file import TAKES, ObjFile, blocks, line_of
 from ..objects import UNNAMED, pieces, renamed
-from ..strands import OBJECT, Attribute, Offsets, Source, Strands, TimeSample, counts_in, spans, without_short
-from ..written import left_out
+from ..strands import OBJECT, Attribute, Offsets, Source, Strands, TimeSample, spans, without_short
+from ..written import left_out, values_of
 
 name = ".obj"
 suffixes = (".obj",)
@@ -140,10 +140,8 @@ def at_rows(table: npt.NDArray[Any], rows: npt.NDArray[np.int32]) -> npt.NDArray
 def write(path: Path, strands: Strands, samples: Iterable[TimeSample] | None = None) -> list[str]:
     """Write the points of each strand, with colours where there are several, and a line through them, object by
     object."""
-    colour = strands.attributes.get("colour")
-    coloured = colour is not None and colour.domain != "groom" and colour.values.shape[1:] == (3,)
-    write_pieces(path, _text(strands, coloured))
-    retained = [*([OBJECT] if strands.objects else []), *(["colour"] if coloured else [])]
+    write_pieces(path, _text(strands))
+    retained = [*([OBJECT] if strands.objects else []), *(["colour"] if _colours(strands) is not None else [])]
     return left_out(strands, name, retained) + renamed(strands, _legal, name)
 
 
@@ -152,39 +150,30 @@ def _legal(label: str) -> str:
     return " ".join("".join(c if c.isprintable() and c != "\\" else "_" for c in label).split())
 
 
-def _text(strands: Strands, coloured: bool) -> Iterable[bytes]:
+def _text(strands: Strands) -> Iterable[bytes]:
     """The text of all objects."""
     found, before = pieces(strands, _legal), 0
     for label, one in zip(found.names, found.strands, strict=True):
         if strands.objects:
             yield f"o {label}\n".encode()
-        yield from _strands(one, before, coloured)
+        yield from _strands(one, before)
         before += one.points.shape[0]
 
 
-def _strands(strands: Strands, before: int, coloured: bool) -> Iterable[bytes]:
+def _strands(strands: Strands, before: int) -> Iterable[bytes]:
     """The text of strands, some points at once, before which there are so many vertices."""
-    form = " ".join(["v", *["%.9g"] * (6 if coloured else 3)]) + "\n"
+    colours = _colours(strands)
+    form = " ".join(["v", *["%.9g"] * (3 if colours is None else 6)]) + "\n"
     for rows, points in spans(strands.first, AT_ONCE):
         values = strands.points[points]
-        if coloured:
-            values = np.concatenate([values, _colours(strands, rows, points)], axis=1)
+        if colours is not None:
+            values = np.concatenate([values, colours[points]], axis=1)
         yield "".join([form % tuple(row) for row in values.tolist()]).encode()
-        if points.stop < strands.first[rows.stop]:
-            continue
-        ends = (before + strands.first[rows.start : rows.stop + 1]).tolist()
-        for low, high in pairwise(ends):
-            for begin in range(low, high, AT_ONCE):
-                numbered = range(begin + 1, min(begin + AT_ONCE, high) + 1)
-                yield f"{'' if begin > low else 'l '}{' '.join(map(str, numbered))}".encode()
-                yield b"\n" if begin + AT_ONCE >= high else b" "
+        for low, high in pairwise((before + strands.first[rows.start : rows.stop + 1]).tolist()):
+            yield f"l {' '.join(map(str, range(low + 1, high + 1)))}\n".encode()
 
 
-def _colours(strands: Strands, rows: slice, points: slice) -> npt.NDArray[np.float32]:
-    """The colours (k, 3) of some points; ``rows``: the strands that they are of."""
-    one = strands.attributes["colour"]
-    if one.domain == "strand":
-        values = np.repeat(one.values[rows], counts_in(strands.first, rows, points), axis=0)
-    else:
-        values = one.values[points]
-    return np.asarray(values / np.float32(255) if values.dtype == np.uint8 else values, np.float32)
+def _colours(strands: Strands) -> npt.NDArray[np.float32] | None:
+    """The colours (P, 3) of points; None where there are none, or one for all."""
+    one = strands.attributes.get("colour")
+    return None if one is None or one.domain == "groom" or one.values.ndim != 2 else values_of(strands, "colour", 3)
