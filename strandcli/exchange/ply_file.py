@@ -24,7 +24,7 @@ TYPES = {
 ENCODINGS = {"ascii": "", "binary_little_endian": "<", "binary_big_endian": ">"}
 MOST_LINES = 1000
 """Of a header: Gaussian splats have some 70."""
-OF_NUMBER = 14
+OF_NUMBER = 16
 """Bytes that a number of a text takes."""
 AT_ONCE = 1 << 14
 """Lists that are gathered at once."""
@@ -117,19 +117,20 @@ def read_elements(
     """The elements of a file, which follow its header; up to the last one that is ``wanted``, or all, after which
     nothing may follow. Raises `UsageError` for what does not fit the header."""
     found: dict[str, Rows] = {}
-    text = None if order else _NumbersOfText(file)
     for one in () if order else elements.values():
         file.need(f"element {one.name}", one.count, 2 * len(one.columns), one.at)
-    for one in elements.values():
-        if text is not None and one.columns:
-            found[one.name] = _text_rows(text, one)
-        elif one.columns:
+    numbers = np.zeros(0) if order else _numbers(file)
+    for one in (element for element in elements.values() if element.columns):
+        if order:
             least = sum(np.dtype(counts or kind).itemsize for _, kind, counts in one.columns)
             file.need(f"element {one.name}", one.count, least, one.at)
             found[one.name] = _lists(file, one, order) if one.lists else _records(file, one, order)
+        else:
+            found[one.name], end = _of_text(file, one, numbers)
+            numbers = numbers[end:]
         if wanted and found.keys() >= wanted:
             return found
-    if text is not None and text.waiting.size:
+    if numbers.size:
         raise file.damaged("more numbers than the header declares")
     file.end()
     return found
@@ -220,55 +221,46 @@ def _gathered(values: Numbers, begins: Numbers, lengths: Numbers, step: int) -> 
     return found
 
 
-class _NumbersOfText:
-    """The numbers of a text, some at once: those that are waiting to be taken."""
-
-    def __init__(self, file: Bounded) -> None:
-        self.file, self.waiting, self._rest = file, np.zeros(0), b""
-
-    def more(self) -> bool:
-        """Whether there are others, which wait then, too. Raises `UsageError` for what is no number."""
-        if not self.file.left:
-            return False
-        begin = self.file.position - len(self._rest)
-        text = self._rest + self.file.take("content", min(SLICE, self.file.left))
-        end = max(text.rfind(b"\n"), text.rfind(b" ")) + 1 if self.file.left else len(text)
-        text, self._rest = text[:end], text[end:]
+def _numbers(file: Bounded) -> Numbers:
+    """All numbers of a text. Raises `UsageError` for what is no number."""
+    found, rest = Growing(np.float64), b""
+    while file.left:
+        begin = file.position - len(rest)
+        text = rest + file.take("content", min(SLICE, file.left))
+        end = max(text.rfind(b"\n"), text.rfind(b" ")) + 1 if file.left else len(text)
+        text, rest = text[:end], text[end:]
         with warnings.catch_warnings():
             warnings.simplefilter("error")
             try:
-                found = np.fromstring(text, np.float64, sep=" ") if text.strip() else np.zeros(0)
+                found.add(np.fromstring(text, np.float64, sep=" ") if text.strip() else ())
             except (ValueError, DeprecationWarning):
-                raise self.file.damaged("has more than numbers, unlike its header", begin) from None
-        self.waiting = np.concatenate([self.waiting, found])
-        return True
+                raise file.damaged("has more than numbers, unlike its header", begin) from None
+        file.room("numbers", found.size, OF_NUMBER)
+    return found.taken()
 
 
-def _text_rows(numbers: _NumbersOfText, element: Element) -> Rows:
-    """The rows of an element of a text, some at once."""
-    file, width, done = numbers.file, len(element.columns), 0
-    sizes = [(1, int(length is not None)) for _, _, length in element.columns]
-    items = [Growing("f8" if kind[0] == "f" else kind) for _, kind, _ in element.columns]
-    counts = [Growing(np.int32) for _ in element.columns]
-    while done < element.count:
-        values = numbers.waiting
-
-        def length_at(column: int, at: int, values: Numbers = values) -> int:
-            return int(values[at]) if 0 <= values[at] <= values.size else -1
-
-        begins, lengths, end = _walk(values, sizes, min(element.count - done, values.size // width), length_at)
-        for k, (name, kind, length) in enumerate(element.columns):
-            own = _gathered(values, begins[k], lengths[k], 1)
-            if kind[0] != "f":
-                if not np.isfinite(own).all():
-                    raise file.damaged(f"element {element.name}: {name} is not a number everywhere", element.at)
-                own = np.clip(own, np.iinfo(kind).min, np.iinfo(kind).max).astype(kind)
-            items[k].add(own)
-            if length:
-                counts[k].add(lengths[k])
-        numbers.waiting, done = values[end:], done + len(lengths[0])
-        if done < element.count and not numbers.more():
-            raise file.damaged(f"element {element.name}: row {done:,} goes beyond the end of the file", element.at)
-        file.room("numbers", sum(one.size for one in items), OF_NUMBER)
-    lists = {name: counts[k].taken() for k, (name, _, length) in enumerate(element.columns) if length}
-    return Rows(element.count, {name: items[k].taken() for k, (name, _, _) in enumerate(element.columns)}, lists)
+def _of_text(file: Bounded, element: Element, values: Numbers) -> tuple[Rows, int]:
+    """The rows of an element with which the numbers of a text begin, and how many of these they have."""
+    width = len(element.columns)
+    count = min(element.count, values.size // width)
+    if element.lists:
+        begins, lengths, end = _walk(
+            values, [(1, int(length is not None)) for _, _, length in element.columns], count,
+            lambda column, at: int(values[at]) if 0 <= values[at] <= values.size else -1,
+        )  # fmt: skip
+        count = len(lengths[0])
+        columns = [_gathered(values, *one, 1) for one in zip(begins, lengths, strict=True)]
+    else:
+        lengths, end = [], count * width
+        columns = list(values[:end].reshape(count, width).T)
+    if count < element.count:
+        raise file.damaged(f"element {element.name}: row {count:,} goes beyond the end of the file", element.at)
+    items = {}
+    for (name, kind, _), own in zip(element.columns, columns, strict=True):
+        if kind[0] != "f":
+            if not np.isfinite(own).all():
+                raise file.damaged(f"element {element.name}: {name} is not a number everywhere", element.at)
+            own = np.clip(own, np.iinfo(kind).min, np.iinfo(kind).max).astype(kind)
+        items[name] = own
+    lists = {name: lengths[k] for k, (name, _, length) in enumerate(element.columns) if length}
+    return Rows(element.count, items, lists), end
