@@ -103,9 +103,12 @@ class Basis:
         return np.stack([2 * square, 2 * square + 6 * cube])
 
 
-def is_clamped(knots: npt.NDArray[Any]) -> bool:
-    """Whether the first knots of cubic NURBS are the same, so that curves reach their first control points."""
-    return bool(knots.size > 2 and knots[0] == knots[2])
+def of_nurbs(orders: npt.NDArray[Any], knots: npt.NDArray[Any], wrap: str = "nonperiodic") -> Basis:
+    """What control points of NURBS mean. Those of order 4 are taken as uniform B-splines, which reach their ends where
+    the first knots are the same; the rest are joined straight."""
+    if not orders.size or (orders != 4).any():
+        return Basis(LINEAR, wrap=wrap, label=f"{NURBS} of other orders than 4, {STRAIGHT}")
+    return Basis(CUBIC, BSPLINE, "pinned" if knots.size > 2 and knots[0] == knots[2] else wrap, NURBS)
 
 
 @dataclass(frozen=True, slots=True, eq=False)

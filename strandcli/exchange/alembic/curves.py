@@ -4,7 +4,6 @@ strands of all of them."""
 from __future__ import annotations
 
 import math
-from collections.abc import Mapping
 from dataclasses import dataclass
 from typing import Any
 
@@ -13,18 +12,7 @@ import numpy.typing as npt
 
 from ...common.rotations import of_quaternion
 from ..parts import Matrix, Part, part_of
-from ..splines import (
-    BSPLINE,
-    CATMULL_ROM,
-    CUBIC,
-    LINEAR,
-    MATRICES,
-    NURBS,
-    STRAIGHT,
-    Basis,
-    Fitter,
-    is_clamped,
-)
+from ..splines import BSPLINE, CATMULL_ROM, CUBIC, LINEAR, MATRICES, STRAIGHT, Basis, Fitter, of_nurbs
 from . import layout
 from .archive import Archive, Object, Property
 
@@ -33,8 +21,7 @@ Geometry = dict[str, Property]
 
 def basis_of(archive: Archive, path: str, geometry: Geometry) -> Basis:
     """What control points mean. Raises `UsageError` for curves that are not read. Cubic ones without a basis are joined
-    straight, as Blender and Houdini do; NURBS of order 4 are taken as uniform B-splines, which reach their ends where
-    knots clamp them, and the rest joined straight."""
+    straight, as Blender and Houdini do."""
     entry = geometry.get("curveBasisAndType")
     if entry is None or entry.kind == layout.COMPOUND or entry.extent < 3 or not entry.samples or not entry.dtype:
         return Basis(LINEAR)
@@ -48,9 +35,7 @@ def basis_of(archive: Archive, path: str, geometry: Geometry) -> Basis:
     if weights.size and (weights != weights[0]).any():
         raise archive.file.fault(f"{path}: NURBS with weights that differ are not read", at)
     if knots.size or (curve != layout.CUBIC and name == BSPLINE):
-        if curve == layout.CUBIC or (orders.size and (orders == 4).all()):
-            return Basis(CUBIC, BSPLINE, "pinned" if is_clamped(knots) else wrap, NURBS)
-        return Basis(LINEAR, wrap=wrap, label=f"{NURBS} of other orders than 4, {STRAIGHT}")
+        return of_nurbs(np.array([4]) if curve == layout.CUBIC else orders, knots, wrap)
     if curve != layout.CUBIC and name == CATMULL_ROM:  # Blender's, which go through all points
         return Basis(CUBIC, name, wrap if periodic else "pinned")
     if not name or curve != layout.CUBIC:
@@ -67,54 +52,41 @@ def _numbers(archive: Archive, found: Property | None) -> npt.NDArray[Any]:
     return archive.values(found).reshape(-1)
 
 
-@dataclass(frozen=True, slots=True, eq=False)
-class Transform:
-    """What an object that is a transform tells: operations, their numbers, and whether it follows what holds it; None
-    where it does not tell."""
-
-    operations: Property | None
-    values: Property | None
-    inherits: Property | None
-
-
-def chain(archive: Archive, one: Object) -> list[Transform]:
-    """The transforms that hold an object, inner ones first."""
+def chain(archive: Archive, one: Object) -> list[Geometry]:
+    """The properties of transforms that hold an object, inner ones first."""
     found = []
     holder = one.parent
     while holder is not None:
         if holder.metadata.get("schema", "").startswith("AbcGeom_Xform"):
             xform = archive.properties(holder).get(".xform")
             if xform is not None and xform.kind == layout.COMPOUND:
-                stated = archive.compound(xform)
-                found.append(Transform(stated.get(".ops"), stated.get(".vals"), stated.get(".inherits")))
+                found.append(archive.compound(xform))
         holder = holder.parent
     return found
 
 
-def world(archive: Archive, transforms: list[Transform], seconds: float | None) -> Matrix | None:
+def world(archive: Archive, transforms: list[Geometry], seconds: float | None) -> Matrix | None:
     """Where transforms, inner ones first, put what they hold: at a time, or in their first samples. None where it is
     there already, so that points keep their bits."""
     found = np.eye(4)
     for one in transforms:
         found = found @ _matrix(archive, one, seconds)
-        if one.inherits is not None and one.inherits.samples:
-            inherits = archive.at(one.inherits, seconds)
-            if not inherits.any():
-                break
+        inherits = one.get(".inherits")
+        if inherits is not None and inherits.samples and not archive.at(inherits, seconds).any():
+            break
     return None if np.array_equal(found, np.eye(4)) else found
 
 
-def _matrix(archive: Archive, one: Transform, seconds: float | None) -> Matrix:
+def _matrix(archive: Archive, one: Geometry, seconds: float | None) -> Matrix:
     """The operations of a transform, of which the last is the first to be done."""
     found = np.eye(4)
-    if one.operations is None or one.values is None or not one.operations.samples:
+    operations, entry = one.get(".ops"), one.get(".vals")
+    if operations is None or entry is None or not operations.samples:
         return found
-    codes = [int(code) >> 4 for code in archive.values(one.operations).reshape(-1)]
-    values = archive.at(one.values, seconds).reshape(-1).astype(np.float64)
+    codes = [int(code) >> 4 for code in archive.values(operations).reshape(-1)]
+    values = archive.at(entry, seconds).reshape(-1).astype(np.float64)
     if set(codes) - set(layout.CHANNELS) or sum(layout.CHANNELS[code] for code in codes) != values.size:
-        raise archive.file.damaged(
-            f"{one.values.path}: {values.size:,} numbers of operations {codes}", one.values.child.at
-        )
+        raise archive.file.damaged(f"{entry.path}: {values.size:,} numbers of operations {codes}", entry.child.at)
     for code in codes:
         count = layout.CHANNELS[code]
         found = _operation(code, values[:count]) @ found
@@ -148,46 +120,57 @@ def _turn(axis: npt.NDArray[np.float64], degrees: float) -> Matrix:
 
 @dataclass(frozen=True, slots=True, eq=False)
 class Curves:
-    """An object of curves: its path, properties of its geometry by name, and the transforms that hold it."""
+    """An object of curves: its path, properties of its geometry by name, those that may be attributes by our names,
+    and properties of the transforms that hold it."""
 
     path: str
-    geometry: dict[str, Property]
-    transforms: list[Transform]
+    geometry: Geometry
+    attributes: Geometry
+    transforms: list[Geometry]
 
-    @property
-    def points(self) -> Property:
-        """The positions."""
-        return self.geometry["P"]
-
-    @property
-    def counts(self) -> Property:
-        """Points of each curve."""
-        return self.geometry["nVertices"]
+    def moving(self) -> list[Property]:
+        """What says where points are: positions, and numbers of transforms that change."""
+        values = [one[".vals"] for one in self.transforms if ".vals" in one]
+        return [self.geometry["P"], *(one for one in values if one.last)]
 
 
-def read_part(
-    archive: Archive, one: Curves, entries: Mapping[str, Property], fitter: Fitter, seconds: float | None = None
-) -> Part:
+def curves_of(archive: Archive, one: Object) -> Curves:
+    """An object of curves. Raises `UsageError` where it has no points."""
+    geometry = archive.properties(one).get(".geom")
+    if geometry is None or geometry.kind != layout.COMPOUND:
+        raise archive.file.damaged(f"{one.path}: has no .geom", one.group.begin)
+    entry = archive.compound(geometry)
+    for name, extent, kinds in (("P", 3, "f"), ("nVertices", 1, "iu")):
+        found = entry.get(name)
+        if found is None or found.kind == layout.COMPOUND:
+            raise archive.file.damaged(f"{geometry.path}: has no {name}", geometry.child.at)
+        if found.extent != extent or np.dtype(found.dtype or "S").kind not in kinds:
+            kind = layout.TYPES[found.type].name
+            raise archive.file.damaged(f"{found.path}: {found.extent} {kind} an element", found.child.at)
+    return Curves(one.path, entry, _attributes(archive, entry), chain(archive, one))
+
+
+def read_part(archive: Archive, one: Curves, fitter: Fitter, seconds: float | None = None) -> Part:
     """The points on curves at a time or in the first sample, and their attributes. Raises `UsageError` where control
     points make no curves."""
-    entry = one.counts
+    entry, place = one.geometry["nVertices"], one.geometry["P"]
     counts = archive.at(entry, seconds).reshape(-1)
     if counts.size and (int(counts.min()) < 0 or int(counts.max()) > np.iinfo(np.int32).max):
         worst = int(np.argmin(counts) if int(counts.min()) < 0 else np.argmax(counts))
         raise archive.file.damaged(f"{entry.path}: curve {worst:,} has {counts[worst]:,} points", entry.child.at)
-    control = archive.at(one.points, seconds).astype(np.float32, copy=False)
-    basis, at = basis_of(archive, one.path, one.geometry), one.points.child.at
+    control = archive.at(place, seconds).astype(np.float32, copy=False)
+    basis, at = basis_of(archive, one.path, one.geometry), place.child.at
     curves = fitter.fitted(
         one.path, counts.astype(np.int64), control, basis, lambda words: archive.file.fault(words, at)
     )
-    values = ((name, *_values(archive, entry, seconds)) for name, entry in entries.items())
+    values = ((name, *_values(archive, entry, seconds)) for name, entry in one.attributes.items())
     return part_of(one.path, curves, control, fitter, world(archive, one.transforms, seconds), values)
 
 
-def attributes_of(archive: Archive, one: Curves) -> dict[str, Property]:
+def _attributes(archive: Archive, geometry: Geometry) -> Geometry:
     """Properties that may be attributes, by our names: curves' own go before those that are added to them."""
-    found = {layout.NAMES.get(name, name): one.geometry[name] for name in ("width", "uv", "N") if name in one.geometry}
-    added = one.geometry.get(".arbGeomParams")
+    found = {layout.NAMES.get(name, name): geometry[name] for name in ("width", "uv", "N") if name in geometry}
+    added = geometry.get(".arbGeomParams")
     if added is not None and added.kind == layout.COMPOUND:
         for name, entry in archive.compound(added).items():
             found.setdefault(layout.NAMES.get(name, name), entry)

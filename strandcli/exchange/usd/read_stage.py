@@ -4,12 +4,13 @@ from __future__ import annotations
 
 from collections import Counter
 from collections.abc import Iterator
+from dataclasses import astuple
 from typing import Any
 
 import numpy as np
 from pxr import Usd, UsdGeom
 
-from ..splines import BSPLINE, CUBIC, LINEAR, NURBS, STRAIGHT, is_clamped
+from ..splines import LINEAR, STRAIGHT, Basis, of_nurbs
 from .open_stage import layers_of, opened
 from .process import Fill, Message, RefusedFileError
 
@@ -153,23 +154,20 @@ def _points(prim: Usd.Prim, moment: Usd.TimeCode) -> Any:
     return _array(prim, "points", UsdGeom.Curves(prim).GetPointsAttr().Get(moment), "f", 2)
 
 
-def _basis(prim: Usd.Prim, moment: Usd.TimeCode) -> list[str]:
-    """Type, basis and wrap of curves, and what they are where these do not say it. NURBS of order 4 are taken as
-    uniform B-splines, which reach their ends where knots clamp them; the rest are joined straight."""
+def _basis(prim: Usd.Prim, moment: Usd.TimeCode) -> Basis:
+    """What control points of curves mean."""
     if prim.IsA(UsdGeom.NurbsCurves):
         curves = UsdGeom.NurbsCurves(prim)
         weights = np.asarray(curves.GetPointWeightsAttr().Get(moment) or [])
         if weights.size and (weights != weights[0]).any():
             raise RefusedFileError(f"{prim.GetPath()}: NURBS with weights that differ are not read")
-        if any(order != 4 for order in curves.GetOrderAttr().Get(moment) or [0]):
-            return [LINEAR, "", "nonperiodic", f"{NURBS} of other orders than 4, {STRAIGHT}"]
-        clamped = is_clamped(np.asarray(curves.GetKnotsAttr().Get(moment) or []))
-        return [CUBIC, BSPLINE, "pinned" if clamped else "nonperiodic", NURBS]
+        orders, knots = (one.Get(moment) or [] for one in (curves.GetOrderAttr(), curves.GetKnotsAttr()))
+        return of_nurbs(np.asarray(orders), np.asarray(knots))
     if not prim.IsA(UsdGeom.BasisCurves):
-        return [LINEAR, "", "nonperiodic", f"{prim.GetTypeName()}, {STRAIGHT}"]
+        return Basis(LINEAR, label=f"{prim.GetTypeName()}, {STRAIGHT}")
     curves = UsdGeom.BasisCurves(prim)
     stated = [curves.GetTypeAttr(), curves.GetBasisAttr(), curves.GetWrapAttr()]
-    return [str(one.Get(moment)) for one in stated]
+    return Basis(*(str(one.Get(moment)) for one in stated))
 
 
 def _array(prim: Usd.Prim, name: str, values: Any, kinds: str, dimensions: int) -> Any:
@@ -194,7 +192,7 @@ def _curves(curves: UsdGeom.Curves, moment: Usd.TimeCode, places: UsdGeom.XformC
             arrays.append(values)
     unread += [name for name in UNREAD if prim.GetAttribute(name).HasAuthoredValue()]
     return {
-        "prim": str(prim.GetPath()), "basis": _basis(prim, moment),
+        "prim": str(prim.GetPath()), "basis": astuple(_basis(prim, moment)),
         "matrix": _matrix(prim, places), "attributes": listed, "unread": unread,
     }, arrays  # fmt: skip
 
