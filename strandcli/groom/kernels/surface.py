@@ -8,7 +8,7 @@ import numpy as np
 from ...constants import W
 from ...jit import device, parallel, prange
 from ...jit.indices import first_above
-from ...meshes.kernels.distance import distance
+from ...meshes.kernels.distance import distance_and_gradient
 
 HALVINGS = 30
 """Of a piece, whose halves are 2⁻³⁰ of it in the end."""
@@ -101,7 +101,7 @@ def lift_off_mesh(points, normals, grid, clear, out):
     for i in prange(points.shape[0]):
         up = 0.0
         for _ in range(STEPS):
-            away = distance(
+            away, _, _, _ = distance_and_gradient(
                 grid, points[i, 0] + up * normals[i, 0], points[i, 1] + up * normals[i, 1],
                 points[i, 2] + up * normals[i, 2],
             )  # fmt: skip

@@ -12,7 +12,7 @@ import numpy as np
 from ...constants import W
 from ...exchange.kernels.along import distance, length
 from ...jit import device, parallel, prange
-from ...meshes.kernels.distance import distance as grid_distance
+from ...meshes.kernels.distance import distance_and_gradient
 
 
 @parallel
@@ -119,4 +119,4 @@ def follow_point(points, targets, i, length):
 def grid_distances(grid, points, out):
     """Write the signed distances of points (n, 3) to out (n,); outside of the grid a lower bound."""
     for i in prange(points.shape[0]):
-        out[i] = grid_distance(grid, points[i, 0], points[i, 1], points[i, 2])
+        out[i] = distance_and_gradient(grid, points[i, 0], points[i, 1], points[i, 2])[0]

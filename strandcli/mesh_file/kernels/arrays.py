@@ -27,7 +27,8 @@ from ...simd import array_at
 
 LOW: (4,) float32, the first node of the grid, and the spacing of nodes, metres. VALUES: (NZ, NY, NX) float32, signed
 distances at the nodes, metres. PAST: (`TRIANGLES`, 3, 3) float64, the corners at the step before, where they were
-others. BOXES, CHILD, COUNTS, CORNERS, TRIANGLE: as in `strandcli.meshes.kernels.tree.Bvh`.
+others. BOXES, CHILD, COUNTS, CORNERS, TRIANGLE: as in `strandcli.meshes.kernels.tree.Bvh`. FACES, NORMALS, COLOURS,
+UV, DENSITY: as in `strandcli.mesh_file.prepared.Prepared`.
 """
 SIZE = 23
 
@@ -37,21 +38,6 @@ class Data(NamedTuple):
 
     table: NDArray[np.int64]
     """(solids, `SIZE`) of each solid; it keeps the arrays."""
-
-
-class Surface(NamedTuple):
-    """What triangles show; but for `faces` they are in the tree's order. Arrays that a mesh does not have are at 0."""
-
-    faces: NDArray[np.float32]
-    """(T, 3) unit normals of triangles, as the file has them in order."""
-    normals: NDArray[np.float32]
-    """(T, 3, 3) unit normals of corners."""
-    colours: NDArray[np.float32]
-    """(T, 3, 3) linear colours of corners."""
-    uv: NDArray[np.float32]
-    """(T, 3, 2) of corners."""
-    density: NDArray[np.float32]
-    """(T,) texels a metre."""
 
 
 class Texture(NamedTuple):
@@ -93,18 +79,6 @@ def tree_of(data, k):
 
 
 @device
-def surface_of(data, k):
-    """What the triangles of mesh k show."""
-    row = data.table[k]
-    count = row[TRIANGLES]
-    return Surface(
-        array_at(np.float32, row[FACES], (count, 3)), array_at(np.float32, row[NORMALS], (count, 3, 3)),
-        array_at(np.float32, row[COLOURS], (count, 3, 3)), array_at(np.float32, row[UV], (count, 3, 2)),
-        array_at(np.float32, row[DENSITY], (count,)),
-    )  # fmt: skip
-
-
-@device
 def texture_of(data, k):
     """The texture of mesh k."""
     row = data.table[k]
@@ -129,11 +103,12 @@ def colour_at(data, k, row, u, v, width, facing):
     width: of a pixel, metres; facing: cosine between the normal and the eye, by whose root a pixel is wider.
     """
     if data.table[k, COLOURS] != 0:
-        colours = surface_of(data, k).colours
+        colours = array_at(np.float32, data.table[k, COLOURS], (data.table[k, TRIANGLES], 3, 3))
         return mixed(colours, row, FIRST, u, v), mixed(colours, row, SECOND, u, v), mixed(colours, row, THIRD, u, v)
     if data.table[k, UV] != 0:
-        uv = surface_of(data, k).uv
-        texels = width * surface_of(data, k).density[row] / math.sqrt(max(facing, SLANT))
+        uv = array_at(np.float32, data.table[k, UV], (data.table[k, TRIANGLES], 3, 2))
+        density = array_at(np.float32, data.table[k, DENSITY], (data.table[k, TRIANGLES],))
+        texels = width * density[row] / math.sqrt(max(facing, SLANT))
         s, t = mixed(uv, row, FIRST, u, v), mixed(uv, row, SECOND, u, v)
         return texture_at(texture_of(data, k), s, t, np.float32(texels))
     return NONE

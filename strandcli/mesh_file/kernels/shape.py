@@ -8,12 +8,11 @@ import math
 import numpy as np
 
 from ...jit import device
-from ...meshes.kernels.distance import distance as grid_distance
-from ...meshes.kernels.distance import distance_and_gradient, vector_distance, vector_distance_and_gradient
-from ...meshes.kernels.nearest import apart, nearest, on_triangle
+from ...meshes.kernels.distance import distance_and_gradient, vector_distance_and_gradient
+from ...meshes.kernels.nearest import apart, nearest, on_triangle, place
 from ...meshes.kernels.rays import first_hit, first_hits
 from ...simd import array_at
-from .arrays import PAST, colour_at, grid_of, spacing_of, surface_of, tree_of
+from .arrays import FACES, NORMALS, PAST, colour_at, grid_of, spacing_of, tree_of
 
 CLOSE = 1e-3
 """Cells of the grid within which the point of the surface that is drawn is looked for first."""
@@ -27,12 +26,12 @@ TINY = 1e-6
 
 def distance(x, y, z, numbers, data):
     """From the grid, whose error is of the order of the surface's bend over a cell."""
-    return grid_distance(grid_of(data, int(numbers[0])), x, y, z)
+    return distance_and_gradient(grid_of(data, int(numbers[0])), x, y, z)[0]
 
 
 def distances(x, y, z, numbers, data):
     """The same, of vectors."""
-    return vector_distance(grid_of(data, int(numbers[0])), x, y, z)
+    return vector_distance_and_gradient(grid_of(data, int(numbers[0])), x, y, z)[0]
 
 
 def slopes(x, y, z, numbers, data):
@@ -61,7 +60,7 @@ def normal(x, y, z, numbers, data):
         return 1.0 * gx, 1.0 * gy, 1.0 * gz
     tree = tree_of(data, k)
     square, _, u, v, row = nearest(tree, x, y, z, np.inf)
-    px, py, pz = point_of(tree.corners, row, u, v)
+    px, py, pz = place(tree.corners, row, u, v)
     side = -1.0 if d < 0 else 1.0
     if square > 0.0:
         return side * (x - px), side * (y - py), side * (z - pz)
@@ -86,10 +85,10 @@ def hides(x, y, z, dx, dy, dz, reach, skin, numbers, data):
     t, i, _, _ = first_hit(tree, x, y, z, dx, dy, dz, reach)
     if i < 0:
         return False
-    faces = surface_of(data, k).faces
+    faces = array_at(np.float32, data.table[k, FACES], (len(tree.corners), 3))
     if t > LEAVES * skin or faces[i, 0] * dx + faces[i, 1] * dy + faces[i, 2] * dz <= 0.0:
         return True
-    if grid_distance(grid_of(data, k), x, y, z) < -skin - spacing_of(data, k):
+    if distance_and_gradient(grid_of(data, k), x, y, z)[0] < -skin - spacing_of(data, k):
         return True
     t += CLOSE * skin
     return first_hit(tree, x + t * dx, y + t * dy, z + t * dz, dx, dy, dz, reach - t)[1] >= 0
@@ -102,8 +101,8 @@ def look(x, y, z, eye, width, before, numbers, data):
     k = int(numbers[0])
     tree = tree_of(data, k)
     u, v, row = drawn(tree, np.float64(x), np.float64(y), np.float64(z), before, CLOSE * spacing_of(data, k))
-    px, py, pz = point_of(tree.corners, row, u, v)
-    normals = surface_of(data, k).normals
+    px, py, pz = place(tree.corners, row, u, v)
+    normals = array_at(np.float32, data.table[k, NORMALS], (len(tree.corners), 3, 3))
     nx = ny = nz = lx = ly = lz = 0.0
     for corner in range(3):
         share = (u if corner == 1 else v) if corner > 0 else 1.0 - u - v
@@ -117,7 +116,7 @@ def look(x, y, z, eye, width, before, numbers, data):
         ly -= share * min(over, 0.0) * ay
         lz -= share * min(over, 0.0) * az
     if nx * nx + ny * ny + nz * nz < TINY:
-        faces = surface_of(data, k).faces
+        faces = array_at(np.float32, data.table[k, FACES], (len(tree.corners), 3))
         i = tree.triangle[row]
         nx, ny, nz = 1.0 * faces[i, 0], 1.0 * faces[i, 1], 1.0 * faces[i, 2]
     facing = (nx * eye[0] + ny * eye[1] + nz * eye[2]) / math.sqrt(nx * nx + ny * ny + nz * nz)
@@ -145,22 +144,11 @@ def drift(x, y, z, numbers, data):
     if data.table[k, PAST] == 0:
         return 0.0, 0.0, 0.0
     tree = tree_of(data, k)
-    limit = abs(grid_distance(grid_of(data, k), x, y, z)) + spacing_of(data, k)
+    limit = abs(distance_and_gradient(grid_of(data, k), x, y, z)[0]) + spacing_of(data, k)
     _, _, u, v, row = nearest(tree, x, y, z, limit * limit)
     if row < 0:
         _, _, u, v, row = nearest(tree, x, y, z, np.inf)
     past = array_at(np.float64, data.table[k, PAST], (tree.corners.shape[0], 3, 3))
-    ax, ay, az = point_of(past, row, u, v)
-    bx, by, bz = point_of(tree.corners, row, u, v)
+    ax, ay, az = place(past, row, u, v)
+    bx, by, bz = place(tree.corners, row, u, v)
     return bx - ax, by - ay, bz - az
-
-
-@device
-def point_of(corners, row, u, v):
-    """A point of a triangle."""
-    w = 1.0 - u - v
-    return (
-        w * corners[row, 0, 0] + u * corners[row, 1, 0] + v * corners[row, 2, 0],
-        w * corners[row, 0, 1] + u * corners[row, 1, 1] + v * corners[row, 2, 1],
-        w * corners[row, 0, 2] + u * corners[row, 1, 2] + v * corners[row, 2, 2],
-    )

@@ -27,16 +27,10 @@ class DistanceGrid(NamedTuple):
 
 
 @device
-def lower_node(at, count):
-    """The node below a coordinate, counted in nodes."""
-    return min(max(int(at), 0), count - 2)
-
-
-@device
 def within(at, count):
-    """A coordinate, counted in nodes, put within the grid, in its own precision."""
-    none = at * np.float32(0)
-    return min(max(at, none), none + np.float32(count - 1))
+    """A coordinate, or a vector of them, counted in nodes, put within the grid; 0 for what is not a number, as lanes
+    without a point may have it."""
+    return min(max(np.float32(0), at), np.float32(count - 1))
 
 
 @device
@@ -52,7 +46,7 @@ def distance_and_gradient(grid, x, y, z):
     per = np.float32(1) / spacing
     u, v, w = (x - grid.low[0]) * per, (y - grid.low[1]) * per, (z - grid.low[2]) * per
     cu, cv, cw = within(u, nx), within(v, ny), within(w, nz)
-    i, j, k = lower_node(cu, nx), lower_node(cv, ny), lower_node(cw, nz)
+    i, j, k = min(int(cu), nx - 2), min(int(cv), ny - 2), min(int(cw), nz - 2)
     u1, v1, w1 = cu - np.float32(i), cv - np.float32(j), cw - np.float32(k)
     a, b = values[k, j, i], values[k, j, i + 1]
     c, d = values[k, j + 1, i], values[k, j + 1, i + 1]
@@ -76,18 +70,6 @@ def distance_and_gradient(grid, x, y, z):
     return near, gx, gy, gz
 
 
-@device
-def distance(grid, x, y, z):
-    """Signed distance of a point, as `distance_and_gradient`."""
-    return distance_and_gradient(grid, x, y, z)[0]
-
-
-@inlined
-def vector_distance(grid, x, y, z):
-    """`distance` of vectors of points."""
-    return vector_distance_and_gradient(grid, x, y, z)[0]
-
-
 @inlined
 def vector_distance_and_gradient(grid, x, y, z):
     """`distance_and_gradient` of vectors of points."""
@@ -95,7 +77,7 @@ def vector_distance_and_gradient(grid, x, y, z):
     nz, ny, nx = values.shape
     per = np.float32(1) / spacing
     u, v, w = (x - grid.low[0]) * per, (y - grid.low[1]) * per, (z - grid.low[2]) * per
-    cu, cv, cw = vector_within(u, nx), vector_within(v, ny), vector_within(w, nz)
+    cu, cv, cw = within(u, nx), within(v, ny), within(w, nz)
     i, j, k = (
         floor(min(cu, np.float32(nx - 2))),
         floor(min(cv, np.float32(ny - 2))),
@@ -130,9 +112,3 @@ def vector_slope(beyond, over, slope, near, scale):
     """Return the gradient along an axis, where points beyond the grid are ``over`` its border along that."""
     outside = where(abs(over) > np.float32(0), over * scale, slope * near * scale)
     return where(beyond, outside, slope)
-
-
-@device
-def vector_within(at, count):
-    """`within` of a vector; 0 for what is not a number, as lanes without a point may have it."""
-    return min(max(np.float32(0), at), np.float32(count - 1))

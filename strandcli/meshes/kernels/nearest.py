@@ -7,16 +7,20 @@ import math
 import numpy as np
 
 from ...jit import device, parallel, prange
+from ...simd import pointer
 from ...simd.local import local_float64, local_int32
 from .winding import winding
 
+BOX = 6
+"""Numbers of a box."""
+
 
 @device
-def box_distance(box, x, y, z):
-    """Squared distance of a point from a box (6,); 0 within."""
-    dx = max(max(box[0] - x, x - box[3]), 0.0)
-    dy = max(max(box[1] - y, y - box[4]), 0.0)
-    dz = max(max(box[2] - z, z - box[5]), 0.0)
+def box_distance(boxes, o, x, y, z):
+    """Squared distance from the box that begins at o; 0 within. Of lanes or of plain numbers."""
+    dx = max(max(boxes[o] - x, x - boxes[o + 3]), 0.0)
+    dy = max(max(boxes[o + 1] - y, y - boxes[o + 4]), 0.0)
+    dz = max(max(boxes[o + 2] - z, z - boxes[o + 5]), 0.0)
     return dx * dx + dy * dy + dz * dz
 
 
@@ -87,9 +91,9 @@ def nearest(bvh, x, y, z, limit):
     The point is a + u (b - a) + v (c - a). Of triangles that are as near the lowest number.
     """
     x, y, z = np.float64(x), np.float64(y), np.float64(z)
-    nodes, distances = local_int32(), local_float64()
+    nodes, distances, boxes = local_int32(), local_float64(), pointer(bvh.boxes)
     best, best_u, best_v, hit, row = np.float64(limit), 0.0, 0.0, -1, -1
-    node, waiting, entry = 0, 0, box_distance(bvh.boxes[0], x, y, z)
+    node, waiting, entry = 0, 0, np.float64(0.0)
     while True:
         if entry <= best:
             if bvh.counts[node] > 0:
@@ -100,8 +104,8 @@ def nearest(bvh, x, y, z, limit):
                         best, best_u, best_v, hit, row = d, u, v, bvh.triangle[i], i
             else:
                 first, second = node + 1, bvh.child[node]
-                near = box_distance(bvh.boxes[first], x, y, z)
-                far = box_distance(bvh.boxes[second], x, y, z)
+                near = box_distance(boxes, first * BOX, x, y, z)
+                far = box_distance(boxes, second * BOX, x, y, z)
                 if far < near:
                     first, second, near, far = second, first, far, near
                 if far <= best:

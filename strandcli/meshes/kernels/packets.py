@@ -15,13 +15,13 @@ from numpy.typing import NDArray
 from ...jit import device, parallel, prange
 from ...simd import any_lane, broadcast, load, pointer, sqrt, store, where
 from ...simd.local import local_int32
+from .nearest import BOX, box_distance
 from .winding import winding
 
 ROW = 28
 """Numbers of a triangle's row: corner a; edges b - a, c - b, a - c; one over their squared lengths; unit normal;
 directions in the plane, from each edge inward; one of padding."""
 A, AB, BC, CA, SHORT, NORMAL, IN_AB, IN_BC, IN_CA = 0, 3, 6, 9, 12, 15, 18, 21, 24
-BOX = 6
 
 
 class PacketTree(NamedTuple):
@@ -67,15 +67,6 @@ def triangle_distance(rows, o, x, y, z):
         edge_distance(rows, o + CA, o + SHORT + 2, cx, cy, cz),
     )
     return where(inside, above * above, edges)
-
-
-@device
-def box_distance(boxes, o, x, y, z):
-    """Squared distance from the box that begins at o; 0 within. Of lanes or of plain numbers."""
-    dx = max(max(boxes[o] - x, x - boxes[o + 3]), 0.0)
-    dy = max(max(boxes[o + 1] - y, y - boxes[o + 4]), 0.0)
-    dz = max(max(boxes[o + 2] - z, z - boxes[o + 5]), 0.0)
-    return dx * dx + dy * dy + dz * dz
 
 
 @device

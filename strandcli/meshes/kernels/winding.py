@@ -33,8 +33,10 @@ def moments(bvh):
             for i in range(bvh.child[node], bvh.child[node] + bvh.counts[node]):
                 add_triangle(one, bvh.corners[i])
         else:
-            add_moments(one, bvh.moments[node + 1])
-            add_moments(one, bvh.moments[bvh.child[node]])
+            for k in range(2):
+                other = bvh.moments[bvh.child[node] if k else node + 1]
+                normal, centre = (other[NX], other[NY], other[NZ]), (other[CX], other[CY], other[CZ])
+                add_moments(one, normal, centre, other[AREA])
         box, far = bvh.boxes[node], 0.0
         for k in range(3):
             far += max(one[CX + k] - box[k], box[3 + k] - one[CX + k]) ** 2
@@ -47,27 +49,21 @@ def add_triangle(one, corners):
     ux, uy, uz = corners[1, 0] - corners[0, 0], corners[1, 1] - corners[0, 1], corners[1, 2] - corners[0, 2]
     vx, vy, vz = corners[2, 0] - corners[0, 0], corners[2, 1] - corners[0, 1], corners[2, 2] - corners[0, 2]
     nx, ny, nz = 0.5 * (uy * vz - uz * vy), 0.5 * (uz * vx - ux * vz), 0.5 * (ux * vy - uy * vx)
-    area = math.sqrt(nx * nx + ny * ny + nz * nz)
-    one[NX] += nx
-    one[NY] += ny
-    one[NZ] += nz
-    whole = one[AREA] + area
-    share = area / whole if whole > 0.0 else 1.0
-    for k in range(3):
-        centre = (corners[0, k] + corners[1, k] + corners[2, k]) / 3.0
-        one[CX + k] += share * (centre - one[CX + k])
-    one[AREA] = whole
+    centre = (
+        (corners[0, 0] + corners[1, 0] + corners[2, 0]) / 3.0, (corners[0, 1] + corners[1, 1] + corners[2, 1]) / 3.0,
+        (corners[0, 2] + corners[1, 2] + corners[2, 2]) / 3.0,
+    )  # fmt: skip
+    add_moments(one, (nx, ny, nz), centre, math.sqrt(nx * nx + ny * ny + nz * nz))
 
 
 @device
-def add_moments(one, other):
-    """Add the moments of another node."""
+def add_moments(one, normal, centre, area):
+    """Add a sum of area vectors, a centre of area and an area to moments."""
+    whole = one[AREA] + area
+    share = area / whole if whole > 0.0 else 1.0
     for k in range(3):
-        one[NX + k] += other[NX + k]
-    whole = one[AREA] + other[AREA]
-    share = other[AREA] / whole if whole > 0.0 else 1.0
-    for k in range(3):
-        one[CX + k] += share * (other[CX + k] - one[CX + k])
+        one[NX + k] += normal[k]
+        one[CX + k] += share * (centre[k] - one[CX + k])
     one[AREA] = whole
 
 
