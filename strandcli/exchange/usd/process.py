@@ -94,6 +94,21 @@ class EndedError(Exception):
     """The process has ended, or takes too long."""
 
 
+def filler(pipe: Any, comes: Callable[[], bool] = lambda: True) -> Fill:
+    """Fills memory with what comes through a pipe, and raises `EndedError` where that ends; ``comes``: waits for
+    more, and says whether there is any."""
+
+    def fill(view: memoryview) -> None:
+        done = 0
+        while done < len(view):
+            got = pipe.readinto(view[done:]) if comes() else 0
+            if not got:
+                raise EndedError
+            done += got
+
+    return fill
+
+
 class Process:
     """The process, and the pipes to it."""
 
@@ -120,19 +135,11 @@ class Process:
 
     def answer(self, room: int) -> Message:
         """What it says next, whose arrays take ``room`` bytes at most. Raises `EndedError`, `OverflowError`."""
-        return receive(self._fill, room)
+        return receive(filler(self.process.stdout, self._in_time), room)
 
-    def _fill(self, view: memoryview) -> None:
-        pipe: Any = self.process.stdout
-        done = 0
-        while done < len(view):
-            left = self.deadline - time.monotonic()
-            if left <= 0 or not select.select([pipe], [], [], min(left, 1e6))[0]:
-                raise EndedError
-            got = pipe.readinto(view[done:])
-            if not got:
-                raise EndedError
-            done += got
+    def _in_time(self) -> bool:
+        left = self.deadline - time.monotonic()
+        return left > 0 and bool(select.select([self.process.stdout], [], [], min(left, 1e6))[0])
 
     def stop(self) -> int:
         """End it; returns what it ended with."""

@@ -10,14 +10,13 @@ import os
 import re
 import resource
 import select
-import tempfile
 from collections.abc import Callable, Iterator
 from contextlib import suppress
 from functools import cache
 from pathlib import Path
 from typing import Any, BinaryIO
 
-from .process import Fill, Message, RefusedFileError, receive, send
+from .process import EndedError, Fill, Message, RefusedFileError, filler, receive, send
 
 IDLE = 20
 """Seconds without a request after which it ends."""
@@ -36,24 +35,12 @@ def main() -> None:
     resource.setrlimit(resource.RLIMIT_CORE, (0, 0))
     hard = resource.getrlimit(resource.RLIMIT_AS)[1]
     resource.setrlimit(resource.RLIMIT_AS, (hard, hard))
-    fill = _filler(incoming)
-    with suppress(EOFError, BrokenPipeError):
+    fill = filler(incoming)
+    with suppress(EndedError, BrokenPipeError):
         while select.select([incoming], [], [], IDLE)[0]:
             request, _ = receive(fill)
             send(outgoing, {"begun": True})
             _answer(request, fill, outgoing)
-
-
-def _filler(stream: Any) -> Fill:
-    def fill(view: memoryview) -> None:
-        done = 0
-        while done < len(view):
-            got = stream.readinto(view[done:])
-            if not got:
-                raise EOFError
-            done += got
-
-    return fill
 
 
 def _answer(request: dict[str, Any], fill: Fill, outgoing: BinaryIO) -> None:
@@ -71,7 +58,7 @@ def _answer(request: dict[str, Any], fill: Fill, outgoing: BinaryIO) -> None:
         last = {"error": _words(error, request.get("path", ""))}
     except MemoryError:
         last = {"error": DAMAGED}
-    except (EOFError, BrokenPipeError):
+    except (EndedError, BrokenPipeError):
         raise
     except Exception as error:
         last = {"error": f"{type(error).__name__}: {error}"}
@@ -92,16 +79,8 @@ def _warm() -> None:
     """Let Pixar's library take what it takes for any file, some 400 MB of addresses, which are not the file's."""
     from pxr import Usd, UsdGeom
 
-    with tempfile.TemporaryDirectory() as folder:
-        for ending in ("usda", "usdc"):
-            path = f"{folder}/a.{ending}"
-            stage = Usd.Stage.CreateNew(path)
-            curves = UsdGeom.BasisCurves.Define(stage, "/a")
-            curves.CreatePointsAttr([(0, 0, 0), (0, 1, 0)])
-            stage.Save()
-            del stage, curves
-            stage = Usd.Stage.Open(path)
-            UsdGeom.BasisCurves(stage.GetPrimAtPath("/a")).GetPointsAttr().Get()
+    stage = Usd.Stage.CreateInMemory()
+    UsdGeom.BasisCurves.Define(stage, "/a").CreatePointsAttr([(0, 0, 0), (0, 1, 0)])
 
 
 def _limit(request: dict[str, Any]) -> None:
