@@ -138,8 +138,9 @@ class Process:
         return receive(filler(self.process.stdout, self._in_time), room)
 
     def _in_time(self) -> bool:
+        pipe: Any = self.process.stdout
         left = self.deadline - time.monotonic()
-        return left > 0 and bool(select.select([self.process.stdout], [], [], min(left, 1e6))[0])
+        return left > 0 and bool(select.select([pipe], [], [], min(left, 1e6))[0])
 
     def stop(self) -> int:
         """End it; returns what it ended with."""
