@@ -18,6 +18,7 @@ from typing import TYPE_CHECKING, Any
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
+from ..common.rotations import xyz
 from ..errors import UsageError
 
 if TYPE_CHECKING:
@@ -153,20 +154,15 @@ def to_camera(view: Pinhole, near: float, distance: float = 1.0) -> Camera:
     fov = math.degrees(2 * math.atan2(view.height / 2, view.focal)) if view.perspective else Camera().fov
     return Camera(
         kind="perspective" if view.perspective else "orthographic",
-        position=_plain(view.eye),
-        target=_plain(view.eye + distance * view.rotation[2]),
-        up=_plain(-view.rotation[1]),
+        position=xyz(view.eye),
+        target=xyz(view.eye + distance * view.rotation[2]),
+        up=xyz(-view.rotation[1]),
         fov=fov,
         height=Camera().height if view.perspective else view.height / view.focal,
         axis_x=axis_x,
         axis_y=axis_y,
         near=view.near or near,
     )
-
-
-def _plain(vector: Floats) -> tuple[float, float, float]:
-    x, y, z = (float(number) for number in vector)
-    return x, y, z
 
 
 UP = (0.0, 1.0, 0.0)
@@ -188,9 +184,8 @@ def above(views: Sequence[Pinhole]) -> tuple[float, float, float]:
     mean /= size
     most = int(np.argmax(np.abs(mean)))
     if abs(mean[most]) < NEAR:
-        return float(mean[0]), float(mean[1]), float(mean[2])
-    x, y, z = (float(np.sign(mean[most])) * (axis == most) for axis in range(3))
-    return x, y, z
+        return xyz(mean)
+    return xyz(np.sign(mean) * (np.arange(3) == most))
 
 
 def upright(up: tuple[float, float, float]) -> Floats:

@@ -32,6 +32,12 @@ def quaternion_of(rotation: Floats) -> Floats:
     return np.asarray(found if found[0] >= 0 else -found)
 
 
+def xyz(vector: Floats) -> tuple[float, float, float]:
+    """A vector (3,) as plain numbers."""
+    x, y, z = vector.tolist()
+    return x, y, z
+
+
 AXES = ("x", "y", "z", "-x", "-y", "-z")
 
 

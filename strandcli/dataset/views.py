@@ -17,6 +17,7 @@ import numpy as np
 from ..cameras.pinhole import UP, Floats, Pinhole, upright
 from ..common.counted import counted
 from ..common.registry import LAYOUTS
+from ..common.rotations import xyz
 from ..errors import UsageError
 from ..groom.emit import PLASTIC
 from ..groom_file.measure import framed
@@ -113,8 +114,8 @@ def lit(
         around = rng.uniform(0.3, 0.6) * rng.uniform([0.9, 0.95, 0.9], [1.0, 1.0, 1.1])
         behind = float(rng.uniform(0.02, 0.4)) * rng.uniform(0.9, 1.1, 3)
         scene = replace(
-            scene, lights=lights, ambient=_plain(around), environment=None,
-            image=replace(scene.image, background=_plain(behind), horizon=None),
+            scene, lights=lights, ambient=xyz(around), environment=None,
+            image=replace(scene.image, background=xyz(behind), horizon=None),
         )  # fmt: skip
         facts["light"] = {
             "ambient": list(scene.ambient),
@@ -159,7 +160,7 @@ def _lights(scene: Scene, rng: np.random.Generator, axes: Floats, power: float) 
         tint = (1.0, float(rng.uniform(0.88, 1.0)), float(rng.uniform(0.75, 1.0)))
         lights.append(
             DirectionalLight(
-                direction=_plain(direction),
+                direction=xyz(direction),
                 intensity=float(intensity),
                 size=float(size),
                 colour=tint,
@@ -167,11 +168,6 @@ def _lights(scene: Scene, rng: np.random.Generator, axes: Floats, power: float) 
             )
         )
     return tuple(lights)
-
-
-def _plain(vector: Floats) -> tuple[float, float, float]:
-    x, y, z = (float(number) for number in vector)
-    return x, y, z
 
 
 def layout_of(name: str) -> Layout:

@@ -7,7 +7,7 @@ from dataclasses import dataclass
 import numpy as np
 from numpy.typing import NDArray
 
-from ..exchange.strands import CHUNK, WIDTHS, Offsets, Points, Strands
+from ..exchange.strands import WIDTHS, Offsets, Points, Strands, spans
 from ..groom.record import Widths
 from .measure import box_of
 from .rows import Rows, most_points, places_of, values_in
@@ -87,11 +87,10 @@ def along_of(strands: Strands, values: Floats) -> Floats:
     """(S, ALONG, 3): values (P, 3) of points where the same share of the points that are drawn is nearer to the root,
     linear between points."""
     out = np.empty((strands.count, ALONG, 3), np.float32)
-    most, some = most_points(strands), max(1, CHUNK // int(strands.counts(np.int32).max()))
-    for begin in range(0, strands.count, some):
-        first = strands.first[begin : begin + some + 1]
-        part = slice(int(first[0]), int(first[-1]))
-        out[begin : begin + some] = _along(first - first[0], strands.points[part], values[part], most)
+    most = most_points(strands)
+    for rows, part in spans(strands.first):
+        first = strands.first[rows.start : rows.stop + 1] - part.start
+        out[rows] = _along(first, strands.points[part], values[part], most)
     return out
 
 

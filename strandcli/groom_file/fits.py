@@ -123,6 +123,10 @@ class Frame(NamedTuple):
     turn: Floats
     shift: Floats
 
+    def own(self, points: NDArray[np.floating]) -> Floats:
+        """Points (n, 3) in the solid's own frame."""
+        return np.asarray((points.astype(np.float64) - self.shift) @ self.turn)
+
 
 class Better(NamedTuple):
     """A placing: the file's up axis, a factor to its scale, and the median distance of roots then."""
@@ -140,8 +144,7 @@ def better(roots: Floats, up: str, surface: Surface, frame: Frame, likely: str |
 
     def median(axis: str, factor: float) -> float:
         turn = turning(axis, UP) @ turning(up, UP).T
-        points = (factor * (some @ turn.T) - frame.shift) @ frame.turn
-        return float(np.median(np.abs(surface.nearest(points).distances)))
+        return float(np.median(np.abs(surface.nearest(frame.own(factor * (some @ turn.T))).distances)))
 
     now = median(up, 1.0)
     if surface.solid.kind == "plane" or now <= SURE * surface.size:

@@ -9,6 +9,7 @@ from typing import TYPE_CHECKING
 import numpy as np
 from numpy.typing import NDArray
 
+from ..common.rotations import xyz
 from ..constants import W
 from ..exchange.strands import Strands
 from ..scene.motion import emitter_pose
@@ -130,7 +131,7 @@ def framed(camera: Camera, points: Floats, size: tuple[int, int]) -> Camera:
     near = min(camera.near, NEAR * max(away + float(z.min()), 1e-3 * away))
     eye = moved - away * ahead
     return replace(
-        camera, position=_plain(eye), target=_plain(moved), height=view, near=near, fit=None,
+        camera, position=xyz(eye), target=xyz(moved), height=view, near=near, fit=None,
     )  # fmt: skip
 
 
@@ -143,8 +144,3 @@ def _framed(x: Floats, z: Floats, slope: float) -> tuple[float, float]:
 
 def _unit(vector: Floats) -> Floats:
     return np.asarray(vector / np.linalg.norm(vector))
-
-
-def _plain(vector: Floats) -> tuple[float, float, float]:
-    x, y, z = (float(number) for number in vector)
-    return x, y, z

@@ -16,7 +16,7 @@ from numpy.typing import NDArray
 
 from ..common.counted import counted
 from ..errors import UsageError
-from ..exchange.strands import Strands, offsets
+from ..exchange.strands import Strands, offsets, spans
 from ..groom.record import Anchors
 from ..mesh_file.prepared import key_of, prepared
 from ..meshes.bvh import closest
@@ -62,6 +62,11 @@ class Head(NamedTuple):
     """In the emitter's frame, at the start."""
     name: str
 
+    @property
+    def frame(self) -> Frame:
+        """The same as matrix and vector."""
+        return Frame(np.array(self.pose.rotation), np.array(self.pose.translation))
+
 
 @dataclass
 class Fit:
@@ -96,13 +101,12 @@ def put_on(
     """Return strands in metres, in the emitter's frame, put on a solid; notes say what was done. ``up``: the axis of
     the file that has become y; ``given``: the settings that placed them, for advice. Raises `UsageError` for hair that
     cannot be meant for it."""
-    surface = Surface(head.solid)
-    turn, shift = np.array(head.pose.rotation), np.array(head.pose.translation)
-    roots = (strands.roots().astype(np.float64) - shift) @ turn
+    surface, frame = Surface(head.solid), head.frame
+    roots = frame.own(strands.roots())
     near = surface.nearest(roots)
     fit = Fit(np.abs(near.distances))
     likely = up if hangs_from(strands) == UP else None
-    found = better(strands.roots().astype(np.float64), up, surface, Frame(turn, shift), likely)
+    found = better(strands.roots().astype(np.float64), up, surface, frame, likely)
     size = None if given is None else given.size
     median = float(np.median(fit.off))
     advice = "" if found is None else f"with {words(found, up, size)} it would be {found.median:.2g} m"
@@ -114,14 +118,14 @@ def put_on(
         )
     free = fit.off > SEATED * surface.size
     fit.seated = int(free.sum())
-    wanted = free | _near(strands, surface, turn, shift)
+    wanted = free | _near(strands, surface, frame)
     shifts = np.where(free[:, None], near.points - roots, 0.0)
     moved = strands.points.copy()
     rows = np.flatnonzero(wanted)
     counts = strands.counts()
     batch = np.cumsum(counts[rows]) // BATCH
     for some in (rows[batch == number] for number in np.unique(batch)):
-        _put_batch(strands, some, shifts, surface, (turn, shift), fit, moved)
+        _put_batch(strands, some, shifts, surface, frame, fit, moved)
     notes += said(fit, surface, head, file)
     return replace(strands, points=moved) if fit.seated or fit.moved_out else strands
 
@@ -131,8 +135,7 @@ def anchors_on(head: Head | None, roots: NDArray[np.float32]) -> Anchors | None:
     deforms; else None."""
     if head is None or head.solid.kind != "mesh" or not head.solid.deform:
         return None
-    own = (roots.astype(np.float64) - np.array(head.pose.translation)) @ np.array(head.pose.rotation)
-    found = closest(prepared(key_of(head.solid)).bvh, own)
+    found = closest(prepared(key_of(head.solid)).bvh, head.frame.own(roots))
     return Anchors(found.triangles, found.barycentrics)
 
 
@@ -156,15 +159,14 @@ def said(fit: Fit, surface: Surface, head: Head, file: str) -> list[str]:
 
 
 def _put_batch(
-    strands: Strands, some: NDArray[np.int64], shifts: Floats, surface: Surface, frame: tuple[Floats, Floats],
+    strands: Strands, some: NDArray[np.int64], shifts: Floats, surface: Surface, frame: Frame,
     fit: Fit, moved: NDArray[np.float32],
 ) -> None:  # fmt: skip
     """Put some strands on the surface, and write those that changed to the points ``moved`` of all."""
-    turn, shift = frame
     counts = strands.counts()[some]
     first = offsets(counts)
     own = np.repeat(strands.first[some] - first[:-1], counts) + np.arange(first[-1])
-    before = (strands.points[own].astype(np.float64) - shift) @ turn
+    before = frame.own(strands.points[own])
     steps = np.zeros(len(before))
     steps[1:] = np.linalg.norm(np.diff(before, axis=0), axis=1)
     steps[first[:-1]] = 0.0
@@ -192,7 +194,7 @@ def _put_batch(
     after[first[:-1]] = 0.0
     lengths = np.add.reduceat(after, first[:-1])
     fit.stretch = max(fit.stretch, float((np.abs(lengths - whole) / np.maximum(whole, 1e-30)).max()))
-    moved[own[rows]] = points[rows] @ turn.T + shift
+    moved[own[rows]] = points[rows] @ frame.turn.T + frame.shift
 
 
 def _move_out(
@@ -258,20 +260,16 @@ def _smooth(first: NDArray[np.int64], moves: Floats, reach: Floats, along: Float
     return moves
 
 
-def _near(strands: Strands, surface: Surface, turn: Floats, shift: Floats) -> NDArray[np.bool_]:
+def _near(strands: Strands, surface: Surface, frame: Frame) -> NDArray[np.bool_]:
     """Return (S,) whether any point of a strand may be too near to the surface."""
-    counts = strands.counts()
     clear = CLEARANCE * surface.size
     found = np.zeros(strands.count, np.bool_)
-    batch = np.cumsum(counts) // BATCH
-    for number in np.unique(batch):
-        some = np.flatnonzero(batch == number)
-        begin, end = strands.first[some[0]], strands.first[some[-1] + 1]
-        points = (strands.points[begin:end].astype(np.float64) - shift) @ turn
+    for rows, part in spans(strands.first, BATCH):
+        points = frame.own(strands.points[part])
         steps = np.zeros(len(points))
         steps[1:] = ((points[1:] - points[:-1]) ** 2).sum(axis=1)
         least = surface.least(points) < clear + steps / (4 * surface.size)
-        found[some] = np.logical_or.reduceat(least, strands.first[some] - begin)
+        found[rows] = np.logical_or.reduceat(least, strands.first[rows] - part.start)
     return found
 
 
