@@ -19,9 +19,9 @@ from strandcli.run.stages import RunOptions, SimulationStage
 from strandcli.scene import SceneError
 from strandcli.scene.model import Scene
 from strandcli.scene.motion import emitter_pose
-from strandcli.study import sweep
+from strandcli.study import find, sweep
 from strandcli.study.motion import Motion
-from strandcli.study.sweep import Request, find
+from strandcli.study.sweep import Request
 
 Floats = npt.NDArray[np.float64]
 
