@@ -84,7 +84,7 @@ def command(
     strands, changes, again = edited(strands, _edits(edits), len(chosen) > 1)
     samples = None
     if again is not None and moving is not None:
-        samples = (TimeSample(one.seconds, again.points(one.points)) for one in moving.samples(chosen))
+        samples = (TimeSample(one.seconds, again(one.points)) for one in moving.samples(chosen))
     lost = files.write(target, strands, samples)
     if frames is None and len(chosen) < there:
         lost.append(f"{writer.name} has one moment: the first of {there:,} is written, --frames chooses another")

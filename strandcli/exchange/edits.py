@@ -9,7 +9,7 @@ from __future__ import annotations
 
 from collections.abc import Callable, Sequence
 from dataclasses import dataclass, field, replace
-from typing import Any
+from typing import Any, NamedTuple
 
 import numpy as np
 import numpy.typing as npt
@@ -20,7 +20,7 @@ from ..errors import UsageError
 from .bounded import not_finite
 from .ends import WHY, ends
 from .parts import moved
-from .strands import Attribute, Mask, Offsets, Strands
+from .strands import Attribute, Mask, Strands
 
 
 @dataclass(frozen=True, slots=True)
@@ -37,37 +37,18 @@ ROW = "row of the point"
 """Attribute by which an edit that chooses among points is followed; no format has it."""
 
 
-@dataclass(frozen=True, slots=True)
-class Step:
+class Step(NamedTuple):
     """An edit; ``chooses``: it leaves points out or turns their order around, and moves none."""
 
     edit: Edit
     chooses: bool = False
 
 
-@dataclass(frozen=True, slots=True, eq=False)
-class Replayed:
-    """Edits that were made of strands, to be made of their points at other moments."""
-
-    parts: Sequence[Offsets | tuple[Edit, Strands]]
-    """Of each edit the points that it takes, or itself and the strands that it was made of."""
-
-    def points(self, edited: npt.NDArray[Any]) -> npt.NDArray[Any]:
-        """The points (Q, 3) that become of points (P, 3); of numbers (P,) those of points that are chosen."""
-        for part in self.parts:
-            if isinstance(part, tuple):
-                edit, strands = part
-                edited = edit(replace(strands, points=edited, attributes={}))[0].points
-            else:
-                edited = edited[part]
-        return edited
-
-
 def edited(
     strands: Strands, steps: Sequence[Step], again: bool = True
-) -> tuple[Strands, list[Change], Replayed | None]:
-    """Strands after all edits, what each did, and the same edits for other moments where they are asked for
-    ``again``."""
+) -> tuple[Strands, list[Change], Callable[[npt.NDArray[Any]], npt.NDArray[Any]] | None]:
+    """Strands after all edits, what each did, and the same edits where they are asked for ``again``: of points (P, 3)
+    at another moment the points (Q, 3) that become of them, of numbers (P,) those of points that are chosen."""
     changes: list[Change] = []
     parts: list[Any] = []
     for step in steps:
@@ -81,9 +62,19 @@ def edited(
             attributes = dict(strands.attributes)
             parts.append(attributes.pop(ROW).values)
             strands = replace(strands, attributes=attributes)
-        elif before is not None:
+        else:
             parts.append((step.edit, before))
-    return strands, changes, Replayed(parts) if again else None
+
+    def replayed(points: npt.NDArray[Any]) -> npt.NDArray[Any]:
+        for part in parts:
+            if isinstance(part, tuple):
+                edit, before = part
+                points = edit(replace(before, points=points))[0].points
+            else:
+                points = points[part]
+        return points
+
+    return strands, changes, replayed if again else None
 
 
 def fixed(

@@ -276,4 +276,4 @@ def _chosen(
             f"{path}: {counted(int(bare.sum()), 'strand')} without length (strand {int(np.argmax(bare)):,} for one); "
             "set emitter.groom.fix: true, which leaves them out"
         )
-    return strands, None if replayed is None else replayed.points(np.arange(count))
+    return strands, None if replayed is None else replayed(np.arange(count))

@@ -10,11 +10,9 @@ import pytest
 import exchange_kit as kit
 import mesh_kit
 from cli_runs import Runner
-from strandcli.cli.completion import files
 from strandcli.errors import UsageError
 from strandcli.exchange import bounded
-from strandcli.exchange.files import drivers, read, write
-from strandcli.exchange.formats import suffixes
+from strandcli.exchange.files import read, write
 from strandcli.exchange.strands import Attribute, Strands, even_offsets
 
 TWO = [np.float32([[0, 0, 0], [0, 1, 0], [0, 2, 1]]), np.float32([[1, 0, 0], [1, 1, 0]])]
@@ -80,15 +78,6 @@ def test_info_convert_and_render_take_lines(run: Runner, tmp_path: Path) -> None
     found = run.fine("render", "b.obj", "--size", "32x24", "--quality", "draft", "-o", "o")
     assert "b.obj: not read, beside its strands: polygons (1)" in found.err
     assert (tmp_path / "o" / "frame_0001.png").is_file()
-
-
-def test_the_ends_of_names_stand_once(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
-    known = {suffix for one in drivers() for suffix in one.suffixes}
-    assert set(suffixes()) == known
-    monkeypatch.chdir(tmp_path)
-    for suffix in (*known, ".yaml", ".txt"):
-        file(tmp_path, f"a{suffix}", b"")
-    assert files("") == sorted(f"a{suffix}" for suffix in (*known, ".yaml"))
 
 
 def test_objects_of_obj_and_gltf_keep_their_names(tmp_path: Path) -> None:
