@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 from pathlib import Path
-from typing import TYPE_CHECKING, Any
+from typing import Any
 
 import click
 
@@ -13,9 +13,6 @@ from ..errors import UsageError
 from . import options
 from .progress import Talk
 from .values import ANIMATIONS, FrameRange
-
-if TYPE_CHECKING:
-    from ..scene.model import Scene
 
 TARGETS = ("slurm", "parallel", "openjd")
 NEXT = {"slurm": "sh {}/submit.sh", "parallel": "sh {}/run.sh", "openjd": "openjd run {}/job.yaml"}
@@ -57,6 +54,7 @@ def command(
     from ..output.files import prepare_folder, write_pieces
     from ..plan import make_plan
     from ..scene import dump
+    from ..scene.detail import with_before
 
     scene = options.load_scene(preset, **scene_settings)
     numbers = options.frame_numbers(frames, scene)
@@ -69,8 +67,9 @@ def command(
     extra = ("--keep-going",) if keep_going else ()
     threads = threads or min(USUAL_THREADS, cores())
     plan = make_plan(scene, numbers, threads=threads)
+    moved = jobs.spelled(with_before(scene, numbers)) if plan.steps and not scene.panels else ""
     job = jobs.Job(
-        options.preset_name(preset), jobs.spelled(numbers), chunks, _simulated(scene, numbers) if plan.steps else "",
+        options.preset_name(preset), jobs.spelled(numbers), chunks, moved,
         threads, jobs.asked_memory(plan.memory_at_once_bytes), ",".join(animate or ()), extra,
     )  # fmt: skip
     files = jobs.files(job, target, cores())
@@ -82,13 +81,3 @@ def command(
     talk.data({"folder": str(folder), "files": [jobs.SCENE, *files], "chunks": list(chunks), "run": again})
     tasks = f"{counted(len(numbers), 'frame')} in {counted(len(chunks), 'task')}"
     talk.note(f"{folder}: {tasks}; start with '{again}'")
-
-
-def _simulated(scene: Scene, numbers: tuple[int, ...]) -> str:
-    """The frames to simulate beforehand, as -f takes them; "" of panels, where each task does it."""
-    from ..farm import spelled
-
-    if scene.panels:
-        return ""
-    before = {number - 1 for number in numbers if number > 1} if scene.camera.shutter > 0 else set()
-    return spelled(sorted({*numbers, *before}))

@@ -80,11 +80,11 @@ def open_cache(
         return None
     from ..output.positions import PositionCache
     from ..run.fingerprint import difference
+    from ..scene.detail import with_before
 
     if scene.panels:
         raise UsageError("--from-cache: a preset of several panels has several sets of positions; draw it without")
-    if scene.camera.shutter > 0:  # what moves is drawn between two frames
-        frames = tuple(sorted({*frames, *(frame - 1 for frame in frames if frame > 1)}))
+    frames = tuple(with_before(scene, frames))
     cache = PositionCache(directory, frames, scene.emitter.strands, scene.emitter.particles, finite=not keep_going)
     if cache.motion is not None:
         differs = difference(motion_of(scene).settings, cache.motion.settings)

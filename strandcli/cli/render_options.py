@@ -6,7 +6,7 @@ from __future__ import annotations
 from collections.abc import Callable, Mapping, Sequence
 from dataclasses import replace
 from pathlib import Path
-from typing import TYPE_CHECKING, Any, NamedTuple
+from typing import TYPE_CHECKING, Any
 
 import click
 from click.shell_completion import CompletionItem
@@ -106,56 +106,46 @@ def animation_options(command: Callable[..., Any]) -> Callable[..., Any]:
     return kinds(over(command))
 
 
-class Ground(NamedTuple):
-    """What frames with alpha are put over."""
+def ground(scene: Scene, kinds: Sequence[str], over: Rgb | None) -> tuple[Rgb, bool]:
+    """What the frames of a scene are put over, and whether that is guessed: frames have alpha, and no colour was named.
+    Raises ``UsageError`` for a colour that nothing would be put over."""
+    from ..output.png import GREY
 
-    colour: Rgb | None
-    """None: mid grey."""
-    guessed: bool
-    """Whether frames have alpha, and no colour was named."""
-
-
-def ground(scene: Scene, kinds: Sequence[str], over: Rgb | None) -> Ground:
-    """What the frames of a scene are put over. Raises ``UsageError`` for a colour that nothing would be put over."""
     alpha = any(one.image.has_alpha for one in scene.panels or (scene,))
     if over is not None and not any(kind in OPAQUE for kind in kinds):
         raise UsageError("--over is for GIF and MP4, which have no alpha: add --animate gif or mp4, or leave it out")
     if over is not None and not alpha:
         raise UsageError("--over: the frames have a background; add --set image.background=none, or leave it out")
-    return Ground(over, alpha and over is None)
+    return over or GREY, alpha and over is None
 
 
 def animate(
-    writer: FrameWriter, data: Mapping[str, Any], asked: Sequence[str], replace: bool, fps: float, under: Ground,
-    talk: Talk,
+    writer: FrameWriter, data: Mapping[str, Any], asked: Sequence[str], replace: bool, fps: float,
+    under: tuple[Rgb, bool], talk: Talk,
 ) -> list[Path]:  # fmt: skip
     """Write the animations of a run with the report ``data``, of all frames of its scene in the folder: those that are
-    ``asked`` for. Where a run that may ``replace`` files has drawn some of the frames, those that are there."""
-    frames = [entry["frame"] for entry in data["frames"]]
-    there = [kind for kind in KINDS if (writer.directory / f"animation.{kind}").exists()]
-    some = replace and 0 < len(writer.wanted) < len(frames)
-    return [_animate(writer, kind, frames, fps, under, talk) for kind in asked or (there if some else ())]
-
-
-def _animate(writer: FrameWriter, kind: str, numbers: Sequence[int], fps: float, under: Ground, talk: Talk) -> Path:
-    """Write an animation of a writer's frames, and say what it could not do."""
+    ``asked`` for. Where a run that may ``replace`` files has drawn some of the frames, those that are there. Says what
+    they could not do."""
     from ..output.animation import write_animation
     from ..output.frames import frame_file
-    from ..output.png import GREY
 
-    path = writer.directory / f"animation.{kind}"
-    paths = [writer.directory / frame_file(number) for number in numbers]
-    try:
-        signals.check()
-        shown = write_animation(path, paths, numbers, fps, under.colour or GREY)
-    except KeyboardInterrupt:
-        talk.note(interrupted(writer, f"{path.name} is not written; "))
-        raise
-    if under.guessed and kind in OPAQUE:
-        talk.note(f"{path}: {kind} has no alpha: frames are over mid grey; name another colour by --over")
-    if len(numbers) > 1 and shown < 0.99 * fps:
-        talk.note(f"{path}: plays {shown:.3g} frames a second, all that {kind} can; {fps:g} were asked")
-    return path
+    numbers, made = [entry["frame"] for entry in data["frames"]], []
+    there = [kind for kind in KINDS if (writer.directory / f"animation.{kind}").exists()]
+    some = replace and 0 < len(writer.wanted) < len(numbers)
+    for kind in asked or (there if some else ()):
+        made.append(path := writer.directory / f"animation.{kind}")
+        paths = [writer.directory / frame_file(number) for number in numbers]
+        try:
+            signals.check()
+            shown = write_animation(path, paths, numbers, fps, under[0])
+        except KeyboardInterrupt:
+            talk.note(interrupted(writer, f"{path.name} is not written; "))
+            raise
+        if under[1] and kind in OPAQUE:
+            talk.note(f"{path}: {kind} has no alpha: frames are over mid grey; name another colour by --over")
+        if len(numbers) > 1 and shown < 0.99 * fps:
+            talk.note(f"{path}: plays {shown:.3g} frames a second, all that {kind} can; {fps:g} were asked")
+    return made
 
 
 def _names(ctx: click.Context, param: click.Parameter, incomplete: str) -> list[CompletionItem]:

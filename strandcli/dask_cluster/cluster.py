@@ -20,6 +20,7 @@ from ..plan import SHARE, available_memory, make_plan
 from ..run import pipeline
 from ..run.fingerprint import fingerprint
 from ..run.frame import Frame
+from ..scene.detail import with_before
 from . import worker
 from .worker import ALIKE, Job, Task, facts
 
@@ -86,7 +87,7 @@ def frames_of_cluster(
     workers = min(threads or cores(), len(numbers), max(1, fitting))
     notify(f"starting {counted(workers, 'worker')}" if local else f"connecting to {address}")
     job = Job(scene, fingerprint(scene), numbers, settings["keep_going"], 1 if local else threads)
-    frames = needed(scene, numbers)
+    frames = with_before(scene, numbers)
     moved: Iterator[Frame]
     if positions is not None:
         moved = (Frame(number, None, positions(number), {}) for number in frames)
@@ -155,13 +156,6 @@ def tasks_of(scene: Scene, numbers: tuple[int, ...], moved: Iterator[Frame]) -> 
                 positions[before[0]] = before[1]
             yield Task(frame.number, positions, frame.report)
         before = frame.number, frame.positions
-
-
-def needed(scene: Scene, numbers: tuple[int, ...]) -> tuple[int, ...]:
-    """The frames whose positions are needed to draw some."""
-    if scene.camera.shutter == 0:
-        return numbers
-    return tuple(sorted({*numbers, *(number - 1 for number in numbers if number > 1)}))
 
 
 def drawn(client: Any, job: Job, tasks: Iterator[Task], check: Callable[[], None]) -> Iterator[Frame]:

@@ -5,7 +5,7 @@ from __future__ import annotations
 import math
 from dataclasses import asdict, dataclass
 from pathlib import Path
-from typing import Any, NamedTuple
+from typing import Any
 
 import numpy as np
 from numpy.typing import NDArray
@@ -80,18 +80,9 @@ def compare(first: Samples, second: Samples, threshold: int = 0) -> Comparison:
     )  # fmt: skip
 
 
-class Compared(NamedTuple):
-    """Two files, compared."""
-
-    found: Comparison
-    first: Samples
-    second: Samples
-    note: str
-    """What was taken for granted, "" for nothing."""
-
-
-def compare_files(first: Path, second: Path, threshold: int = 0) -> Compared:
-    """Compare two files. Alpha counts if either image has some; the other is then taken as opaque.
+def compare_files(first: Path, second: Path, threshold: int = 0) -> tuple[Comparison, Samples, Samples, str]:
+    """Compare two files; returns both images, too, and what was taken for granted. Alpha counts if either image has
+    some; the other is then taken as opaque.
 
     Raises ``UsageError`` if one cannot be read and ``MismatchError``, naming both, if their sizes differ.
     """
@@ -107,7 +98,7 @@ def compare_files(first: Path, second: Path, threshold: int = 0) -> Compared:
     opaque = [path for path, image in zip((first, second), images, strict=True) if image.shape[2] < channels]
     note = f"{opaque[0]} has no alpha, as the other has: taken as opaque" if opaque else ""
     try:
-        return Compared(compare(one, two, threshold), one, two, note)
+        return compare(one, two, threshold), one, two, note
     except MismatchError as error:
         raise MismatchError(f"{first} and {second}: {error}") from None
 

@@ -131,10 +131,14 @@ def needed_strands(scene: Scene, frames: Sequence[int]) -> int:
     ends = tiers_of(scene)
     if len(ends) == 1 or not frames:
         return total
-    blurred = scene.camera.shutter > 0
-    shown = {*frames, *(frame - 1 for frame in frames if blurred and frame > 1)}
-    least = most_needed(scene, sorted(shown))
+    least = most_needed(scene, with_before(scene, frames))
     return next(end for end in ends if end >= least)
+
+
+def with_before(scene: Scene, frames: Sequence[int]) -> list[int]:
+    """Return frames, and where the shutter is open those before them: what moves is drawn between two."""
+    before = 1 if scene.camera.shutter > 0 else 0
+    return sorted({one for frame in frames for one in (frame, frame - before) if one > 0})
 
 
 def times_of(scene: Scene, frames: Sequence[int]) -> list[float]:

@@ -109,7 +109,7 @@ def with_quality(scene: Scene, marks: Mapping[str, Mark], rank: Callable[[Mark],
     ``rank`` of its place among ``marks``, which are by path, and what the look fixes."""
     if "quality" not in marks:
         return scene
-    asked, fixed, before = rank(marks["quality"]), {one.path for one in LOOKS.get(scene.look, ())}, scene
+    asked, fixed, before = rank(marks["quality"]), LOOKS.get(scene.look, {}), scene
 
     def stays(path: str) -> bool:
         parts = path.split(".")
@@ -127,29 +127,19 @@ def with_quality(scene: Scene, marks: Mapping[str, Mark], rank: Callable[[Mark],
     return scene
 
 
-class Fixed(NamedTuple):
-    """A setting that a look fixes: the values that it allows, of which the first is its own."""
-
-    path: str
-    """Dotted; `*` stands for every light."""
-    values: tuple[str | bool, ...]
-
-
-LOOKS: Mapping[str, tuple[Fixed, ...]] = {
-    "source": (
-        Fixed("image.resolver", ("zbuffer",)),
-        Fixed("material.model", ("marschner",)),
-        Fixed("material.rounded", (False,)),
-        Fixed("lights.*.shadow.model", ("minmax", "off")),
-    )
-}
-"""What each look fixes."""
+LOOKS: Mapping[str, Mapping[str, tuple[str | bool, ...]]] = {
+    "source": {
+        "image.resolver": ("zbuffer",), "material.model": ("marschner",), "material.rounded": (False,),
+        "lights.*.shadow.model": ("minmax", "off"),
+    }
+}  # fmt: skip
+"""What each look fixes: by dotted path, `*` standing for every light, the values that it allows, the first its own."""
 
 
 def settle(scene: Scene, written: Container[str]) -> tuple[Scene, list[tuple[str, str]]]:
     """``scene`` with what its look fixes, and the clashes: path and message. ``written``: paths that were given."""
     clashes: list[tuple[str, str]] = []
-    for path, values in LOOKS.get(scene.look, ()):
+    for path, values in LOOKS.get(scene.look, {}).items():
         for name in [path.replace("*", str(i)) for i in range(len(scene.lights))] if "*" in path else [path]:
             found = value_at(scene, name)
             if found in values:

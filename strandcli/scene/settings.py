@@ -8,7 +8,6 @@ from __future__ import annotations
 
 import re
 from collections.abc import Mapping, Sequence
-from typing import NamedTuple
 
 from . import specs
 from .dump import plain
@@ -24,14 +23,6 @@ SCENE = specs.ModelSpec(Scene)
 
 class Unreachable(ValueError):
     """A path that leads to no setting; the message says why."""
-
-
-class RuleEntry(NamedTuple):
-    """One rule as a preset lists it."""
-
-    name: str
-    place: int
-    parameters: Node
 
 
 def merge(base: Node | None, over: Node, spec: specs.Spec | None, rules: Mapping[str, RuleType]) -> Node:
@@ -155,65 +146,55 @@ def _named(node: Node, before: Node) -> Node:
 def _place_rule(node: Node | None, parts: Sequence[str], value: Node, rules: Mapping[str, RuleType]) -> Node:
     """The node of `rules` with a change at parts[0], a rule, or inside of it."""
     name, count = _rule_part(parts[0])
-    listed = _listed(node)
-    if name.isdecimal() and len(name) < 7 and int(name) < len(listed):
-        found = listed[int(name)]
+    entries, removes = _listed(node), isinstance(value, Scalar) and value.null
+    known = [place for place, (rule, _) in enumerate(entries) if rule]
+    same = [place for place in known if entries[place][0] == name]
+    if name.isdecimal() and len(name) < 7 and int(name) < len(known):
+        at = known[int(name)]
+    elif name not in rules:
+        raise Unreachable(f"unknown rule {shown(name)}; {hint(name, rules, 'the rules are')}")
+    elif count <= len(same):
+        at = same[count - 1]
+    elif len(parts) == 1 and count == len(same) + 1 and isinstance(value, MapNode):
+        return _rules(node, [*entries, (name, Entry(value.mark, value))])
     else:
-        if name not in rules:
-            raise Unreachable(f"unknown rule {shown(name)}; {hint(name, rules, 'the rules are')}")
-        same = [entry for entry in listed if entry.name == name]
-        if len(parts) == 1 and count == len(same) + 1 and isinstance(value, MapNode):
-            return _with_rule(node, name, value)
-        if count > len(same):
-            have = ", ".join(entry.name for entry in listed) or "none"
-            times = f" {count} times" if count > 1 else ""
-            removes = isinstance(value, Scalar) and value.null
-            more = "" if times or removes else f"; rules.{name}={{}} adds it"
-            raise Unreachable(f"the preset does not list the rule {shown(name)}{times}; its rules are {have}{more}")
-        found = same[count - 1]
-    if found.name not in rules:
-        raise Unreachable(f"unknown rule {shown(found.name)}")
-    if isinstance(value, Scalar) and value.null and len(parts) == 1:
-        if isinstance(node, ListNode):
-            return node.without_item(found.place)
-        assert isinstance(node, MapNode)
-        return node.without(found.name)
+        have = ", ".join(entries[place][0] for place in known) or "none"
+        times = f" {count} times" if count > 1 else ""
+        more = "" if times or removes else f"; rules.{name}={{}} adds it"
+        raise Unreachable(f"the preset does not list the rule {shown(name)}{times}; its rules are {have}{more}")
+    name, entry = entries[at]
+    if name not in rules:
+        raise Unreachable(f"unknown rule {shown(name)}")
+    if removes and len(parts) == 1:
+        return _rules(node, [*entries[:at], *entries[at + 1 :]])
     if len(parts) == 1 and not isinstance(value, MapNode) and not (isinstance(value, Scalar) and value.empty):
         kind = f"must be a mapping of settings, not {given(value)}"
         raise Unreachable(f"{kind}; null takes the rule out: rules.{parts[0]}=null")
-    parameters = specs.ModelSpec(rules[found.name].Parameters)
-    inner = _place(parameters, found.parameters, parts[1:], value, rules)
-    if isinstance(node, ListNode):
-        entry = Entry(node.items[found.place].mark, inner)
-        return node.with_item(found.place, MapNode({found.name: entry}, entry.mark))
-    assert isinstance(node, MapNode)
-    return node.with_entry(found.name, Entry(node.entries[found.name].mark, inner))
+    inner = _place(specs.ModelSpec(rules[name].Parameters), entry.node, parts[1:], value, rules)
+    return _rules(node, [*entries[:at], (name, Entry(entry.mark, inner)), *entries[at + 1 :]])
 
 
-def _with_rule(node: Node | None, name: str, parameters: MapNode) -> Node:
-    """The node of `rules` with one more, the last."""
-    if isinstance(node, MapNode) and name not in node.entries:
-        return node.with_entry(name, Entry(parameters.mark, parameters))
-    entries = [
-        MapNode({one.name: Entry(one.parameters.mark, one.parameters)}, one.parameters.mark) for one in _listed(node)
-    ]
-    return ListNode((*entries, MapNode({name: Entry(parameters.mark, parameters)}, parameters.mark)), parameters.mark)
+def _rules(before: Node | None, entries: list[tuple[str, Entry]]) -> Node:
+    """`rules` with these entries: a mapping where they were one ``before`` and none is there twice, else a list."""
+    mark = before.mark if isinstance(before, MapNode | ListNode) else entries[-1][1].mark
+    if isinstance(before, MapNode) and len(dict(entries)) == len(entries):
+        return MapNode(dict(entries), mark)
+    return ListNode(tuple(MapNode({name: one}, one.mark) if name else one.node for name, one in entries), mark)
 
 
-def _listed(node: Node | None) -> list[RuleEntry]:
-    """The rules that `rules` holds, in the order of the text; what is none is left out."""
+def _listed(node: Node | None) -> list[tuple[str, Entry]]:
+    """The rules that `rules` holds, in the order of the text; what is none is there without a name."""
     if isinstance(node, MapNode):
-        return [
-            RuleEntry(name, index, entry.node)
-            for index, (name, entry) in enumerate(node.entries.items())
-            if not (isinstance(entry.node, Scalar) and entry.node.null)
-        ]
-    found: list[RuleEntry] = []
-    for index, item in enumerate(node.items if isinstance(node, ListNode) else ()):
+        return [(name, entry) for name, entry in node.entries.items()
+                if not (isinstance(entry.node, Scalar) and entry.node.null)]  # fmt: skip
+    found: list[tuple[str, Entry]] = []
+    for item in node.items if isinstance(node, ListNode) else ():
         if isinstance(item, MapNode) and len(item.entries) == 1:
-            found.extend(RuleEntry(name, index, entry.node) for name, entry in item.entries.items())
-        elif isinstance(item, Scalar):
-            found.append(RuleEntry(item.text, index, MapNode({}, item.mark)))
+            found += item.entries.items()
+        elif isinstance(item, Scalar) and not item.empty and not item.null:
+            found.append((item.text, Entry(item.mark, MapNode({}, item.mark))))
+        else:
+            found.append(("", Entry(item.mark, item)))
     return found
 
 

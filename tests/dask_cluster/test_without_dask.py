@@ -18,6 +18,7 @@ from strandcli.run import pipeline
 from strandcli.run.fingerprint import fingerprint
 from strandcli.run.frame import Frame
 from strandcli.scene import Scene
+from strandcli.scene.detail import with_before
 
 BLURRED = TINY + "camera: {shutter: 0.5, samples: 2}\n"
 
@@ -42,7 +43,7 @@ def test_what_goes_not_with_it_is_refused(preset: str, more: tuple[str, ...], wo
 
 def tasks(scene: Scene, numbers: tuple[int, ...]) -> tuple[Job, list[Task]]:
     """A run as it is handed to workers, which get copies of all."""
-    moved = pipeline.render(scene, cluster.needed(scene, numbers), threads=1, draw=False, keep_positions=True)
+    moved = pipeline.render(scene, with_before(scene, numbers), threads=1, draw=False, keep_positions=True)
     job = Job(scene, fingerprint(scene), numbers, threads=1)
     sent: tuple[Job, list[Task]] = pickle.loads(pickle.dumps((job, list(cluster.tasks_of(scene, numbers, moved)))))
     return sent

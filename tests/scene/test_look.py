@@ -7,7 +7,7 @@ from unittest.mock import patch
 
 from scene_kit import complaints, scene
 from strandcli.scene import dump, quality
-from strandcli.scene.quality import Fixed, settle
+from strandcli.scene.quality import settle
 
 
 def test_a_look_allows_what_agrees_with_it() -> None:
@@ -37,10 +37,7 @@ def test_a_panels_look_clashes_with_what_all_panels_share() -> None:
 
 def test_what_is_not_written_gets_the_looks_value() -> None:
     """Also where that is not the default, and for any light."""
-    fixed = (
-        Fixed("image.resolver", ("sorted",)),
-        Fixed("lights.*.shadow.model", ("off",)),
-    )
+    fixed = {"image.resolver": ("sorted",), "lights.*.shadow.model": ("off",)}
     made = scene("look: source\nlights: [{kind: point}, {kind: directional}]")
     with patch.dict(quality.LOOKS, {"source": fixed}):
         settled, clashes = settle(made, ())

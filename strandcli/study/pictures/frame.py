@@ -195,9 +195,8 @@ class FrameStudy(Pictures):
     def settings(self) -> list[Parameters]:
         """The choices that are left by what was set by hand, by the look and by the memory that is free."""
         assert self.request.scene is not None
-        looks, drawn = LOOKS.get(self.scene.look, ()), []
-        allowed = {one.path.replace("*", str(i)): one.values for one in looks for i in range(len(self.scene.lights))}
-        found = []
+        looks, drawn, found = LOOKS.get(self.scene.look, {}).items(), [], []
+        allowed = {path.replace("*", str(i)): values for path, values in looks for i in range(len(self.scene.lights))}
         for parameters in super().settings():
             scene = changed(self.scene, parameters)
             if scene in drawn or any(value not in allowed.get(path, (value,)) for path, value in parameters.items()):
