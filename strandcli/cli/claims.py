@@ -23,7 +23,7 @@ HEADS = {"claim": "claim", "source": "source's figure", "ours": "ours"}
 @click.option("-o", "--output", type=options.PathType(), metavar="DIR", help="Also write claims.csv and claims.svg.")
 @click.option(
     "--repeats", type=options.Whole(1, 100), default=5, show_default=True, metavar="N",
-    help="How often times are measured; their median counts, and their spread is told.",
+    help="How often times are measured; their median counts, and their spread is reported.",
 )  # fmt: skip
 @options.threads
 @options.overwrite

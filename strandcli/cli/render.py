@@ -132,7 +132,7 @@ def _run(
     from ..compiling.service import service
     from ..run import checkpoints
 
-    warn = warner(progress, quiet, report.warn)
+    warn = warner(progress, quiet, report.warnings.append)
     _warn_of_foreign(writer, warn)
     for words in report.plan_warnings:
         warn(words)

@@ -56,18 +56,13 @@ def command(
         return
     with talk.progress(len(names), "stress", each="case", lines=len(names) > 1) as progress:
 
-        def tell(one: Verdict) -> None:
-            if talk.verbose and one.verdict == "fail":
-                progress.line(f"failed: {one.name}: {one.why}")
+        def done(several: Sequence[Verdict]) -> None:
+            progress.step(count=len(several))
+            for one in several:
+                if talk.verbose and one.verdict == "fail":
+                    progress.line(f"failed: {one.name}: {one.why}")
 
-        result = stress.run(
-            work,
-            only=only,
-            processes=threads or cores(),
-            notify=progress.note,
-            step=lambda count: progress.step(count=count),
-            tell=tell,
-        )
+        result = stress.run(work, only=only, processes=threads or cores(), notify=progress.note, done=done)
     if talk.as_json:
         print_json(finite(result.as_dict()))
     elif case and not talk.quiet:

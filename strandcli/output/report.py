@@ -58,6 +58,7 @@ class RunReport:
         self.frames: dict[int, dict[str, Any]] = {}
         self.failure: dict[str, Any] | None = None
         self.warnings: list[str] = []
+        """What a person should know of a run that goes on."""
         self.picture_error: Mapping[str, Any] | None = None
         """What is known of the pictures' error, where one was asked for: `study.advice`."""
         self._start = time.perf_counter()
@@ -71,10 +72,6 @@ class RunReport:
         self.failure = {
             "frame": trouble.frame, "strand": trouble.strand, "cause": trouble.cause, "message": trouble.message
         }  # fmt: skip
-
-    def warn(self, message: str) -> None:
-        """Record what a person should know of a run that goes on."""
-        self.warnings.append(message)
 
     def as_dict(
         self, status: str, written: Mapping[int, Written], machine: Mapping[str, Any] | None,

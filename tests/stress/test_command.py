@@ -93,7 +93,7 @@ def test_several_processes_come_to_the_same_verdicts() -> None:
     work = matrix.tasks(["thesis"], quick=True)
     assert len(work) >= 4 * matrix.CHUNK  # fewer are not worth a second process
     counted: list[int] = []
-    shared = matrix.run(work, processes=2, step=counted.append)
+    shared = matrix.run(work, processes=2, done=lambda verdicts: counted.append(len(verdicts)))
     alone = matrix.run(work, processes=1)
     assert [one.as_dict() for one in shared.verdicts] == [one.as_dict() for one in alone.verdicts]
     assert sum(counted) == len(alone.verdicts)

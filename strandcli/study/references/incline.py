@@ -29,8 +29,8 @@ RAIL = 0.1
 """Length of a rail, metres; that of the long strand is a metre."""
 THICKNESS = 0.002
 STEEPER = 5e-3
-"""Way of the tip in metres by which a degree more has to bring a strand further, at the least: it is some 13 mm where
-friction does nothing but what Coulomb's law says."""
+"""Metres that the tip has to move further for a degree more, at least: some 13 mm where friction does nothing but what
+Coulomb's law says."""
 APART = 2.0
 """Metres between slopes."""
 

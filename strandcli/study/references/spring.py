@@ -22,7 +22,7 @@ R, CLIMB, TURNS = 0.05, 0.1, 3.0
 TORSION = 0.75
 """GJ over EI."""
 STRETCH = 0.05
-"""Way of the end under the weight, over R, of a slender coil."""
+"""Displacement of the end under the weight, over R, of a slender coil."""
 MASS = 4.0
 """Of the weight, in masses of the wire."""
 ARM = (2, 3, 5)

@@ -46,7 +46,7 @@ WORDS = ("pass", "expected_failure", "fail", "not_represented")
 RESIDUAL_WITHIN = "has a limit in steps of at most 1/24 s and up to 32 segments; lengths are made exact after it"
 PINNED_WITHIN = "has a limit where nothing is in a strand's way and its pull moves no tip in a step"
 FALL = 100.0
-"""Ways that a strand would fall in a step, L, beyond which its pull moves a pinned tip, whose mass is finite."""
+"""Distance that a strand would fall in a step, L, beyond which its pull moves a pinned tip, whose mass is finite."""
 START, STRAIGHT = "/start=", "straight"
 
 
@@ -188,11 +188,9 @@ def run(
     only: Callable[[str], bool] | None = None,
     processes: int = 1,
     notify: Notify | None = None,
-    step: Callable[[int], None] | None = None,
-    tell: Callable[[Verdict], None] | None = None,
+    done: Callable[[Sequence[Verdict]], None] = lambda verdicts: None,
 ) -> Result:
-    """Judge the cases of ``work``, those alone whose name ``only`` accepts; ``step`` gets how many more are done,
-    ``tell`` each verdict."""
+    """Judge the cases of ``work``, those alone whose name ``only`` accepts; ``done`` gets verdicts as they come."""
     began = time.perf_counter()
     accept = only or (lambda name: True)
     wanted = [task for task in work if any(accept(case.name) for case in task)]
@@ -200,11 +198,7 @@ def run(
     for several in _results(wanted, processes, notify):
         accepted = [one for one in several if accept(one.name)]
         found += accepted
-        if tell is not None:
-            for one in accepted:
-                tell(one)
-        if step is not None:
-            step(len(accepted))
+        done(accepted)
     solvers = tuple(solver for solver in SOLVERS if any(solver == one.name.partition("/")[0] for one in found))
     return Result(solvers, found, time.perf_counter() - began)
 
