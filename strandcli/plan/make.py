@@ -81,7 +81,10 @@ def _of_scene(scene: Scene, frames: Sequence[int], draw: bool) -> Plan:
     plan.add(motion_decisions(scene, plan.strands))
     if draw:
         plan.sizes = sizes_of(scene, plan.strands, frames)
-        _measure(plan, scene)
+        pieces = 1 if scene.curves.mode in ("off", "thinned") else 2**scene.curves.level
+        plan.segments_max = most_strands(scene, plan.strands, ()) * (points_of(scene) - 1) * pieces
+        plan.pixels = math.prod(scene.image.drawn)
+        plan.samples = plan.pixels * scene.image.supersample**2
         plan.add(drawing_decisions(scene, plan.strands, frames))
         plan.warnings += warnings_of(scene, frames)
     plan.memory_bytes = memory_of(plan, scene, draw)
@@ -102,16 +105,6 @@ def _of_panels(scene: Scene, frames: Sequence[int], draw: bool) -> Plan:
     plan.memory_bytes = max(programs) + own
     plan.memory_at_once_bytes = plan.memory_bytes
     return plan
-
-
-def _measure(plan: Plan, scene: Scene) -> None:
-    """Set the numbers of line pieces, pixels and samples of a frame."""
-    curves = scene.curves
-    pieces = 1 if curves.mode in ("off", "thinned") else 2**curves.level
-    plan.segments_max = most_strands(scene, plan.strands, ()) * (points_of(scene) - 1) * pieces
-    width, height = scene.image.drawn
-    plan.pixels = width * height
-    plan.samples = plan.pixels * scene.image.supersample**2
 
 
 def pictures_that_fit(scene: Scene, frames: Sequence[int]) -> int:

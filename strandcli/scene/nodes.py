@@ -47,14 +47,6 @@ class ListNode:
         self.items = items
         self.mark = mark
 
-    def with_item(self, index: int, node: Node) -> ListNode:
-        """This list with one item replaced."""
-        return ListNode((*self.items[:index], node, *self.items[index + 1 :]), self.mark)
-
-    def without_item(self, index: int) -> ListNode:
-        """This list with one item taken out."""
-        return ListNode((*self.items[:index], *self.items[index + 1 :]), self.mark)
-
 
 class Entry(NamedTuple):
     """One line of a mapping: where its key stands, and its value."""

@@ -121,9 +121,9 @@ def _place(
     if not isinstance(node, ListNode):
         raise Unreachable(f"{shown(part)} cannot be reached inside {'nothing' if node is None else kind_of(node)}")
     index = _index(node, part)
-    item = node.items[index]
+    item, before, after = node.items[index], node.items[:index], node.items[index + 1 :]
     if isinstance(spec, specs.ItemsSpec) and isinstance(value, Scalar) and value.null and len(parts) == 1:
-        return node.without_item(index)
+        return ListNode((*before, *after), node.mark)
     inner: specs.Spec | None = None
     if isinstance(spec, specs.ItemsSpec):
         kinds = spec.kinds
@@ -131,7 +131,8 @@ def _place(
         inner = specs.UnionSpec(stand_in(), kinds) if spec.tagged else specs.ModelSpec(stand_in)
     elif len(parts) > 1:
         raise Unreachable("there is nothing inside a number")
-    return node.with_item(index, value if inner is None else _named(_place(inner, item, parts[1:], value, rules), item))
+    new = value if inner is None else _named(_place(inner, item, parts[1:], value, rules), item)
+    return ListNode((*before, new, *after), node.mark)
 
 
 def _named(node: Node, before: Node) -> Node:

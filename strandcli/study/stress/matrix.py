@@ -215,12 +215,6 @@ def covering(axes: Mapping[str, Sequence[str]]) -> list[Row]:
     return rows
 
 
-def product_of(solver: str, axes: Mapping[str, Sequence[str]]) -> Iterator[Case]:
-    """One strand: every combination of these axes, the rest at their defaults."""
-    for labels in product(*(taken or tuple(AXES[axis]) for axis, taken in axes.items())):
-        yield Case.of(solver, dict(zip(axes, labels, strict=True)))
-
-
 def pairs(solver: str) -> Iterator[Case]:
     """One strand: pairs of all axes, each row from every start, which costs nothing more."""
     for row in covering({axis: tuple(AXES[axis]) for axis in ALONE}):
@@ -256,7 +250,11 @@ def groups() -> Iterator[Case]:
 @cache
 def full(solver: str) -> tuple[Case, ...]:
     """The whole matrix of one solver, each case once."""
-    products = chain.from_iterable(product_of(solver, axes) for axes in SHEETS.values())
+    products = (
+        Case.of(solver, dict(zip(axes, labels, strict=True)))
+        for axes in SHEETS.values()
+        for labels in product(*(taken or tuple(AXES[axis]) for axis, taken in axes.items()))
+    )
     own = chain(segments(), groups()) if solver == "rod" else ()
     return tuple(dict.fromkeys(chain(products, pairs(solver), grooms(solver), own)))
 
