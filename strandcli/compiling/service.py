@@ -35,8 +35,8 @@ PROGRAM = (
 )
 FAILURES = 3
 """After so many workers that end unasked or kernels that are lost, every kernel is compiled in place."""
-PARTS = ("light", "coverage")
-"""Of a frame, from its end: half of the first frame's wait is for kernels that it needs last."""
+PARTS = ("surfaces", "strands", "coverage", "lines")
+"""Of a frame, from its end: most of the first frame's wait is for kernels that it needs last."""
 LOCKS = "claims"
 """The file whose bytes are locked."""
 ALONE = (
@@ -48,10 +48,10 @@ ALONE = (
 class Worker:
     """One process and the pipes to it."""
 
-    def __init__(self, preload: bool) -> None:
-        """Start it; ``preload``: it imports all that draws and simulates at once. Raises `OSError`."""
+    def __init__(self) -> None:
+        """Start it. Raises `OSError`."""
         read = [str(one.path) for one in folder.cache.read_only]
-        settings = json.dumps([str(folder.cache.path), read, preload])
+        settings = json.dumps([str(folder.cache.path), read])
         self._process = subprocess.Popen(
             [sys.executable, "-P", "-c", PROGRAM, json.dumps(sys.path), settings],
             stdin=subprocess.PIPE,
@@ -88,14 +88,13 @@ class Worker:
 
 
 class Service:
-    """The workers of this process: one compiles what is asked for, the rest what will be."""
+    """The worker of this process: it compiles what is asked for, and its children what will be."""
 
     def __init__(self) -> None:
         self.enabled = True
         """False: every kernel is compiled in place."""
         self._lock = threading.RLock()
-        self._first: Worker | None = None
-        self._ahead: list[Worker] = []
+        self._worker: Worker | None = None
         self._failures = 0
         self._process = 0
         self._pending: tuple[Any, int] | None = None
@@ -112,14 +111,14 @@ class Service:
         with self._lock:
             if self._pending is not None:
                 self._begin_ahead(*self._pending)
-            worker = self._worker_on_demand()
+            worker = self._on_demand()
             if worker is None:
                 return False
             try:
                 worker.send("compile", function.__module__, function.__qualname__, request, entry)
                 answer = worker.answer()
             except BaseException as error:
-                self._first = None
+                self._worker = None
                 worker.stop()
                 if not isinstance(error, Exception):
                     raise
@@ -130,61 +129,59 @@ class Service:
         return bool(answer == "done")
 
     def ahead(self, scene: Scene, threads: int | None) -> None:
-        """Have the kernels of a scene's frame compiled from its end by the workers but the first, from the first kernel
-        on that is not in the cache; ``threads``: processes that may be busy at once, None for one a core."""
+        """Have the kernels of a scene's frame compiled from its end, from the first kernel on that is not in the cache;
+        ``threads``: processes that may be busy at once, None for one a core."""
         with self._lock:
             self._pending = scene, limits.cores() if threads is None else threads
+            if nothing_compiled():
+                self._begin_ahead(*self._pending)
 
     def _begin_ahead(self, scene: Scene, most: int) -> None:
         self._pending = None
-        spare = min(most_workers(), most) - 1
-        if not self._usable() or spare < 1 or self._ahead:
+        children = min(most_workers(), most, len(PARTS))
+        if not self._usable() or children < 2:
             return
         try:
             data = pickle.dumps(scene)
-            self._worker_on_demand(preload=True)
-            for number in range(min(spare, len(PARTS))):
-                worker = Worker(preload=True)
-                self._ahead.append(worker)
-                worker.send("ahead", data, PARTS[number::spare])
+            worker = self._on_demand()
+            if worker is not None:
+                worker.send("ahead", data, [PARTS[number::children] for number in range(children)])
         except Exception:  # a scene with rules of this process alone
             self.stop_ahead()
 
     def stop_ahead(self) -> None:
-        """End the workers that compile ahead."""
-        with self._lock:
+        """Compile nothing more that was not asked for."""
+        with self._lock, contextlib.suppress(OSError):
             self._pending = None
-            if self._process == os.getpid():
-                for worker in self._ahead:
-                    worker.stop()
-            self._ahead = []
+            if self._worker is not None and self._process == os.getpid():
+                self._worker.send("stop")
 
     def stop(self) -> None:
-        """End all workers."""
+        """End the worker."""
         with self._lock:
-            self.stop_ahead()
-            if self._first is not None:
+            self._pending = None
+            if self._worker is not None:
                 if self._process == os.getpid():
-                    self._first.stop()
+                    self._worker.stop()
                 else:
-                    self._first.forget()
-            self._first = None
+                    self._worker.forget()
+            self._worker = None
 
-    def _worker_on_demand(self, preload: bool = False) -> Worker | None:
-        """The worker that compiles what is asked for; None where there can be none."""
+    def _on_demand(self) -> Worker | None:
+        """The worker; None where there can be none."""
         if not self._usable():
             return None
-        if self._first is None:
+        if self._worker is None:
             try:
-                self._first = Worker(preload)
+                self._worker = Worker()
             except OSError:
                 self._fail()
-        return self._first
+        return self._worker
 
     def _usable(self) -> bool:
         if self._process != os.getpid():  # the first time, or a process forked from the one that had workers
             self._process = os.getpid()
-            self._first, self._ahead = None, []
+            self._worker = None
             atexit.register(self.stop)
         if not self.enabled or most_workers() < 1:
             return False
@@ -201,6 +198,12 @@ def most_workers() -> int:
     """As many as ``STRANDCLI_COMPILERS`` says, else one a core that this process may use."""
     asked = os.environ.get("STRANDCLI_COMPILERS", "")
     return int(asked) if asked.isdecimal() else min(limits.cores(), max(1, int(limits.quota() or limits.cores())))
+
+
+def nothing_compiled() -> bool:
+    """Whether there is no kernel anywhere, so that one will be missing."""
+    with os.scandir(folder.cache.path) as entries:
+        return not folder.cache.read_only and not any(entry.name.endswith(".kernel") for entry in entries)
 
 
 service = Service()

@@ -12,6 +12,7 @@ import json
 import os
 import pickle
 import queue
+import signal
 import sys
 import threading
 from collections.abc import Sequence
@@ -21,18 +22,22 @@ from typing import Any, BinaryIO
 IDLE = 20.0
 """Seconds without work after which it ends: what it has imported takes 200 MB."""
 
+BEHIND = 3
+"""By how much those that compile ahead are nicer: two of them leave the one that is waited for a core of two."""
+
 
 def main(settings: str) -> None:
-    """Do what comes in on standard input until that ends. ``settings``: the cache's folder, what is read beside it,
-    and whether to import all that draws and simulates at once, as JSON."""
+    """Do what comes in on standard input until that ends. ``settings``: the cache's folder, and what is read beside it,
+    as JSON."""
     inbound, outbound = os.fdopen(os.dup(0), "rb"), os.fdopen(os.dup(1), "wb")
     nowhere = os.open(os.devnull, os.O_RDWR)
     for stream in (0, 1):  # modules that are imported may print
         os.dup2(nowhere, stream)
     os.environ.pop("NUMBA_NUM_THREADS", None)
     messages: queue.SimpleQueue[Any] = queue.SimpleQueue()
-    threading.Thread(target=_listen, args=(inbound, messages), daemon=True).start()
-    path, read_only, preload = json.loads(settings)
+    children = Children()
+    threading.Thread(target=_listen, args=(inbound, messages, children), daemon=True).start()
+    path, read_only = json.loads(settings)
 
     from .folder import cache
     from .service import service
@@ -40,33 +45,82 @@ def main(settings: str) -> None:
     cache.use(Path(path), read_only)
     service.enabled = False
     sys.meta_path.append(WrittenModules())
-    import numba
-
     from . import faster
 
     faster.patch()
-    numba.set_num_threads(1)
-    if preload:
-        from ..draw import renderer  # noqa: F401
-        from ..run import pipeline  # noqa: F401
     while True:
         try:
             message = messages.get(timeout=IDLE)
         except queue.Empty:
-            os._exit(0)
+            if not children.busy():
+                os._exit(0)
+            continue
         if message[0] == "ahead":
-            _ahead(*message[1:])
+            children.start(*message[1:])
         else:
             pickle.dump(_compile(*message[1:]), outbound)
             outbound.flush()
 
 
-def _listen(inbound: BinaryIO, messages: queue.SimpleQueue[Any]) -> None:
-    """Queue what comes in; end this process at once when the other one has ended."""
+def _listen(inbound: BinaryIO, messages: queue.SimpleQueue[Any], children: Children) -> None:
+    """Queue what comes in; stop children when that is asked for, and end this process at once when the other one has
+    ended."""
     try:
         while True:
-            messages.put(pickle.load(inbound))
+            message = pickle.load(inbound)
+            if message[0] == "stop":
+                children.stop()
+            else:
+                messages.put(message)
     finally:
+        os._exit(0)
+
+
+class Children:
+    """Processes forked from this one, once it has imported what they need, that compile parts of a scene's frame."""
+
+    def __init__(self) -> None:
+        self._lock = threading.Lock()
+        self._running: list[int] = []
+        self._ends, self._end = os.pipe()
+        """Reading from the first ends when this process has."""
+
+    def start(self, data: bytes, parts: Sequence[Sequence[str]]) -> None:
+        """Start one for each list of parts, where the system can fork."""
+        if not hasattr(os, "fork"):
+            return
+        import numba  # noqa: F401  # whose threads must not have been started
+
+        from ..draw import compile_parts  # noqa: F401
+        from ..run import pipeline  # noqa: F401
+
+        with self._lock:
+            for mine in parts:
+                child = os.fork()
+                if child == 0:
+                    os.close(self._end)
+                    threading.Thread(target=self._end_with_parent, daemon=True).start()
+                    os.nice(BEHIND)
+                    _ahead(data, mine)
+                    os._exit(0)
+                self._running.append(child)
+
+    def busy(self) -> bool:
+        """Whether one has not ended yet."""
+        with self._lock:
+            self._running = [one for one in self._running if os.waitpid(one, os.WNOHANG) == (0, 0)]
+            return bool(self._running)
+
+    def stop(self) -> None:
+        """End them all."""
+        with self._lock:
+            for child in self._running:
+                os.kill(child, signal.SIGKILL)
+                os.waitpid(child, 0)
+            self._running.clear()
+
+    def _end_with_parent(self) -> None:
+        os.read(self._ends, 1)
         os._exit(0)
 
 
@@ -107,11 +161,14 @@ class WrittenModules(importlib.abc.MetaPathFinder, importlib.abc.Loader):
 
 def _ahead(data: bytes, parts: Sequence[str]) -> None:
     """Compile the kernels of a scene's parts. Whatever goes wrong costs time, nothing else."""
+    import numba
+
     from ..draw.compile_parts import compile_part
     from ..draw.renderer import Renderer
     from ..groom.emit import emit
 
     with contextlib.suppress(Exception):
+        numba.set_num_threads(min(2, numba.config.NUMBA_NUM_THREADS))  # type: ignore[attr-defined]  # one leaves out a kernel
         scene = pickle.loads(data)
         small = dataclasses.replace(scene, image=dataclasses.replace(scene.image, size=(8, 8)))
         renderer = Renderer(small, emit(scene.emitter, scene.seed, 1))

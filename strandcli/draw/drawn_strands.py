@@ -38,7 +38,7 @@ class DrawnStrands:
         self._around = Scratch() if self._chooses else scratch
         self._followers = children if isinstance(children, Followers) else None
         # segments of a strand differ in length
-        self._uneven = combed is not None or groom.points is not None or self._followers is not None
+        self.uneven = combed is not None or groom.points is not None or self._followers is not None
         self._widths = groom.widths
         self._near: tuple[NDArray[np.int32], NDArray[np.int64], NDArray[np.int64]] | None = None
 
@@ -87,7 +87,7 @@ class DrawnStrands:
         shares = None if widths is None else widths.shares
         if shares is not None and scene.material.drawn_taper > 0:
             shares = shares * np.linspace(1, 1 - scene.material.drawn_taper, shares.shape[1], dtype=np.float32)
-        return Strands(positions, None if self._uneven else lengths, count, level, tones, ids, whole, shares)
+        return Strands(positions, None if self.uneven else lengths, count, level, tones, ids, whole, shares)
 
     def _choose(
         self, scene: Scene, at: float, leading: Leading, ids: NDArray[np.int32]

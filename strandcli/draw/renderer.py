@@ -69,13 +69,13 @@ class Renderer:
         """(strands,) rank of each strand in the order of emission; None: 0, 1, …"""
         self.size = (scene.image.drawn[0] * scene.image.supersample, scene.image.drawn[1] * scene.image.supersample)
         self.shadowed = [light for light in scene.lights if shades_vertices(light)]
-        self._counts = needs_counts(scene)
+        self.counts_strands = needs_counts(scene)
         self.coverage = None if scene.image.resolver == "zbuffer" else Coverage(self.size, scene.material.opacity)
         # lines one pixel wide, on the screen or in a min/max map, cannot become thinner, so they fade by length
-        self._thins = self.coverage is not None and all(
+        self.thins = self.coverage is not None and all(
             model_of(light).thins for light in scene.lights if casts_map(light)
         )
-        self.drawn = DrawnStrands(groom, children, combed, self._thins, self.scratch)
+        self.drawn = DrawnStrands(groom, children, combed, self.thins, self.scratch)
         self.backdrop, self.grain = backdrop_of(scene.image), grain_of(scene.image)
         self._drawing: Drawing
         self._made: Lighting | None = None
@@ -184,7 +184,7 @@ class Renderer:
     ) -> tuple[ShadowMaps | None, Occlusion | None]:
         """Return empty shadow maps, and the ambient occlusion; None for what the scene does not have."""
         scene = self.scene
-        maps = plan_maps(scene.lights, bounds, self.scratch, thickness, spacing, self._counts)
+        maps = plan_maps(scene.lights, bounds, self.scratch, thickness, spacing, self.counts_strands)
         if not scene.occluded or scene.ambient_occlusion is None:
             return maps, None
         return maps, occlusion.build(
@@ -200,7 +200,7 @@ class Renderer:
             most = None if self.coverage is None else FILE_POINTS if self._of_file else SORTED_POINTS
             ranges = divide(strands.count, points, self.scene.curves, most)
         return StrandBatches(
-            self.scene, strands, view, self._thins, ranges, mapped or bool(self.shadowed), self._drawing, self.scratch,
+            self.scene, strands, view, self.thins, ranges, mapped or bool(self.shadowed), self._drawing, self.scratch,
         )  # fmt: skip
 
     def _fill_maps(self, maps: ShadowMaps, batches: StrandBatches, lines: Polylines | None, workers: int) -> None:

@@ -24,10 +24,11 @@ from strandcli.draw.compile_parts import compile_part
 from strandcli.draw.coverage.kernels import resolve, tile_binning
 from strandcli.draw.film.film import curve_of
 from strandcli.draw.film.kernels import film
-from strandcli.draw.geometry.kernels import ribbon
+from strandcli.draw.geometry.kernels import curves, ribbon
 from strandcli.draw.lighting.kernels import shade_strands, shade_surfaces
 from strandcli.draw.renderer import Renderer
 from strandcli.draw.solids.kernels import visible
+from strandcli.draw.view.kernels import project
 
 pytestmark = pytest.mark.skipif(bool(config.DISABLE_JIT), reason="nothing is compiled")  # type: ignore[attr-defined]
 ROOT = Path(__file__).resolve().parents[2]
@@ -71,8 +72,11 @@ def test_a_worker_compiles_what_a_process_of_its_own_compiles_without_patches(pl
 def test_workers_compile_ahead_once_a_kernel_is_missing(place: Path, monkeypatch: pytest.MonkeyPatch) -> None:
     one, begun = mine(), []
     monkeypatch.setattr(one, "_begin_ahead", lambda *what: begun.append(what))
-    monkeypatch.setattr(one, "_worker_on_demand", lambda: None)
+    monkeypatch.setattr(one, "_on_demand", lambda: None)
+    one.ahead("first", 2)
+    assert begun == [("first", 2)]  # there is no kernel at all
     fresh(approximations.asin)(np.float32(0.5))
+    begun.clear()
     one.ahead("scene", 2)
     fresh(approximations.asin)(np.float32(0.5))
     assert begun == []
@@ -80,11 +84,20 @@ def test_workers_compile_ahead_once_a_kernel_is_missing(place: Path, monkeypatch
     assert begun == [("scene", 2)]
 
 
-def test_a_worker_lives_that_imports_all_at_once(place: Path) -> None:
-    assert mine()._worker_on_demand(preload=True) is not None
+@pytest.mark.skipif(not hasattr(os, "fork"), reason="there are no children")
+def test_children_compile_what_a_frame_needs_and_their_parent_what_is_asked_for(
+    place: Path, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    monkeypatch.setenv("STRANDCLI_COMPILERS", "2")
+    mine().ahead(scene_of(SCENE), 2)
     kernel = fresh(approximations.asin)
     assert kernel(np.float32(0)) == 0
     assert hits(kernel) == 1
+    until = time.monotonic() + 120
+    wanted = ("surfaces-*", "strands-*", "develop-*", "resolve-*", "find-*", "flatten-*", "bin_segments-*")
+    while not all(list(place.glob(f"*.{one}")) for one in wanted) and time.monotonic() < until:
+        time.sleep(0.1)
+    assert [one for one in wanted if not list(place.glob(f"*.{one}"))] == []
     mine().stop()
 
 
@@ -110,7 +123,7 @@ def test_without_workers_kernels_are_compiled_here(place: Path, monkeypatch: pyt
     kernel = fresh(approximations.asin)
     assert kernel(np.float32(0)) == 0
     assert hits(kernel) == 0
-    assert mine()._first is None
+    assert mine()._worker is None
 
 
 def test_a_worker_that_ends_is_done_without_and_after_three_there_are_no_more(
@@ -137,12 +150,17 @@ def alive(process: int) -> bool:
 PARENT = """
 import sys, time
 from pathlib import Path
+from strandcli import load
 from strandcli.compiling import folder
 from strandcli.compiling.service import service
 folder.cache.use(Path(sys.argv[1]))
-service._begin_ahead(None, 2)
-workers = [service._worker_on_demand(), *service._ahead]
-print(*(one._process.pid for one in workers), flush=True)
+service._begin_ahead(load("minimal"), 2)
+worker = service._worker._process.pid
+children = []
+while service._usable() and len(children) < 2:
+    time.sleep(0.1)
+    children = Path(f"/proc/{worker}/task/{worker}/children").read_text().split()
+print(worker, *children, flush=True)
 if sys.argv[2] == "waits": time.sleep(600)
 """
 
@@ -196,12 +214,12 @@ def test_an_entry_is_claimed_by_one_process_until_it_ends(tmp_path: Path) -> Non
 
 def test_a_forked_process_leaves_its_parents_workers_alone(place: Path) -> None:
     one = mine()
-    worker = one._worker_on_demand()
+    worker = one._on_demand()
     assert worker is not None
     child = os.fork()
     if child == 0:
         one.stop()
-        os._exit(0 if one._first is None else 1)
+        os._exit(0 if one._worker is None else 1)
     assert os.waitstatus_to_exitcode(os.waitpid(child, 0)[1]) == 0
     assert alive(worker._process.pid)
     one.stop()
@@ -220,11 +238,11 @@ lights: []
 solids: [{kind: sphere, radius: 0.5, position: [0.25, 0, 0], colour: [0.2, 0.2, 0.9]}]
 """
 KERNELS = {
-    "light": (shade_strands.strands, shade_surfaces.surfaces, resolve.resolve, resolve.blend, film.develop),
-    "coverage": (
-        visible.find, ribbon.find_on_screen, tile_binning.bin_segments, resolve.resolve,
-    ),
-}  # fmt: skip
+    "surfaces": (shade_surfaces.surfaces, visible.find),
+    "strands": (shade_strands.strands, resolve.resolve, resolve.blend, film.develop),
+    "coverage": (visible.find, ribbon.find_on_screen, tile_binning.bin_segments, resolve.resolve),
+    "lines": (curves.flatten, project.points, project.widths),
+}
 
 
 @pytest.mark.parametrize("part", PARTS)
