@@ -6,6 +6,7 @@ from __future__ import annotations
 import json
 import os
 from collections.abc import Mapping
+from contextlib import suppress
 from dataclasses import dataclass
 from pathlib import Path
 from typing import Any
@@ -38,8 +39,9 @@ class Placed:
 
 def named(path: Path, preset: Path) -> str:
     """A file's path as a preset names it: from the preset's folder where it lies there, below or beside it."""
-    whole = path.resolve()
-    near = Path(os.path.relpath(whole, preset.parent.resolve()))
+    near = whole = path.resolve()
+    with suppress(ValueError):  # on another drive
+        near = Path(os.path.relpath(whole, preset.parent.resolve()))
     text = (near if near.parts.count("..") < 2 else whole).as_posix()
     if not text.isprintable():
         raise UsageError(f"{path}: its name has characters that a preset cannot have; rename it")

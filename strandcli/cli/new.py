@@ -14,6 +14,8 @@ from .progress import say
 SUFFIXES = (".yaml", ".yml")
 LONGEST = 100
 """Characters of a name: file systems take 255 bytes, and frames' folders and temporary files have longer names."""
+RESERVED = re.compile(r"(con|prn|aux|nul|com[0-9]|lpt[0-9])(\..*)?", re.IGNORECASE)
+"""Names that Windows keeps for devices."""
 
 
 @click.command()
@@ -60,7 +62,7 @@ def preset_file(name: Path) -> Path:
         raise UsageError(
             f"{shown}: a preset is a .yaml file; name it {one_line(name.stem)}.yaml, or {one_line(name.stem)}"
         )
-    if not re.fullmatch(r"\w[\w-]*", stem) or len(stem) > LONGEST:
+    if not re.fullmatch(r"\w[\w-]*", stem) or RESERVED.fullmatch(stem) or len(stem) > LONGEST:
         raise UsageError(
             f"{shown}: is no name for a preset; take letters, digits, - and _, up to {LONGEST} in all, such as my_hair"
         )

@@ -24,8 +24,10 @@ class HungUp(KeyboardInterrupt):
     """SIGHUP came in."""
 
 
+SIGHUP: int = getattr(signal, "SIGHUP", -1)
+"""Windows has no such signal."""
 _RAISED: dict[int, type[KeyboardInterrupt]] = {
-    signal.SIGINT: KeyboardInterrupt, signal.SIGTERM: Terminated, signal.SIGHUP: HungUp
+    signal.SIGINT: KeyboardInterrupt, signal.SIGTERM: Terminated, SIGHUP: HungUp
 }  # fmt: skip
 _received: type[KeyboardInterrupt] | None = None
 _when = 0.0
@@ -45,7 +47,7 @@ def handled(last: bool = False) -> Iterator[None]:
         yield
         return
     # nohup has SIGHUP ignored, and means it
-    mine = [one for one in _RAISED if one != signal.SIGHUP or signal.getsignal(one) != signal.SIG_IGN]
+    mine: list[int] = [one for one in _RAISED if one > 0 and (one != SIGHUP or signal.getsignal(one) != signal.SIG_IGN)]
     before = {number: signal.signal(number, _handle) for number in mine}
     try:
         yield
@@ -71,7 +73,7 @@ def _handle(number: int, frame: FrameType | None) -> None:
         return
     _received = _RAISED[number]
     _when = now
-    if number == signal.SIGHUP:
+    if number == SIGHUP:
         _leave_terminal()
     if not interrupts.wait(_received):
         raise _received

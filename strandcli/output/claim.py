@@ -7,7 +7,6 @@ that a killed run has left claims nothing. Where a file system has no locks, not
 
 from __future__ import annotations
 
-import fcntl
 import os
 import time
 from collections.abc import Iterable
@@ -15,6 +14,11 @@ from contextlib import suppress
 from pathlib import Path
 
 from ..errors import RefusedError
+
+try:
+    import fcntl
+except ImportError:  # no POSIX
+    fcntl = None  # type: ignore[assignment]
 
 _ALL = (0, 0)
 """First byte of a lock, and how many: on a whole file."""
@@ -37,7 +41,7 @@ class Claim:
         self._path, self._file = directory / f".{what}.lock", -1
         spans = [_ALL] if numbers is None else _spans(numbers)
         deadline = time.monotonic() + patience
-        while spans and self._file < 0:
+        while spans and fcntl is not None and self._file < 0:
             try:
                 self._file = os.open(self._path, os.O_RDWR | os.O_CREAT, 0o666)
                 for span in spans:

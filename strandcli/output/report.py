@@ -7,9 +7,9 @@ scene into a folder, one after the other or at once, each takes over what the re
 from __future__ import annotations
 
 import math
+import sys
 import time
 from collections.abc import Collection, Mapping, Sequence
-from contextlib import suppress
 from pathlib import Path
 from typing import Any
 
@@ -26,12 +26,23 @@ PATIENCE = 60.0
 
 
 def peak_rss_bytes() -> int:
-    """The most memory that this process has had so far; 0 where the system does not tell. ``getrusage`` would count the
-    process that started this one, too."""
-    with suppress(OSError, ValueError, IndexError):
-        lines = Path("/proc/self/status").read_text("ascii", errors="replace").splitlines()
-        return next((int(line.split()[1]) * 1024 for line in lines if line.startswith("VmHWM:")), 0)
-    return 0
+    """The most memory that this process has had so far; 0 where the system does not tell.
+
+    Linux's ``getrusage`` counts what the process that started this one had then, too; its ``status`` does not.
+    """
+    try:
+        with open("/proc/self/status", encoding="ascii", errors="replace") as status:
+            for line in status:
+                if line.startswith("VmHWM:"):
+                    return int(line.split()[1]) * 1024
+    except (OSError, ValueError, IndexError):
+        pass
+    try:
+        import resource
+    except ImportError:  # no POSIX
+        return 0
+    peak = resource.getrusage(resource.RUSAGE_SELF).ru_maxrss
+    return peak if sys.platform == "darwin" else peak * 1024
 
 
 class RunReport:

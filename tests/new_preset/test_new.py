@@ -103,7 +103,7 @@ def test_a_head_alone_grows_hair_where_its_attribute_or_its_height_says(run: Run
 
 
 @pytest.mark.parametrize(("arguments", "words"), [
-    (["a b"], "such as my_hair"), ([".yaml"], "is no name"),
+    (["con"], "is no name for a preset"), (["a b"], "such as my_hair"), ([".yaml"], "is no name"),
     (["x.txt"], "a preset is a .yaml file"), (["no/x"], "no such folder"), (["x", "--groom", "no.ply"], "no such file"),
     (["x", "--head", "no.ply"], "no such file"), (["-"], "is no name"),
 ])  # fmt: skip
