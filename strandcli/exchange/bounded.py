@@ -5,6 +5,7 @@ from __future__ import annotations
 
 import math
 import os
+import warnings
 from collections.abc import Callable, Iterator
 from contextlib import contextmanager
 from pathlib import Path
@@ -93,6 +94,18 @@ class Bounded:
         self.position += len(data)
         return data.rstrip(b"\r\n")
 
+    def blocks(self, what: str, size: int, longest: int, end_in: Callable[[bytes], int]) -> Iterator[bytes]:
+        """The rest of a text, some bytes at once, each up to a place that ``end_in`` finds in it; ``what`` ends there,
+        and has ``longest`` bytes at most."""
+        rest = b""
+        while self.left:
+            content = rest + self.take(what, min(size, self.left))
+            end = end_in(content) if self.left else len(content)
+            rest = content[end:]
+            if len(rest) > longest:
+                raise self.damaged(f"no end of {what} within {longest:,} bytes")
+            yield content[:end]
+
     def array(self, field: str, dtype: npt.DTypeLike, shape: tuple[int, ...], at: int | None = None) -> Any:
         """The next numbers, as an array of a shape; ``at``: the byte of the count that it comes from."""
         kind = np.dtype(dtype)
@@ -131,6 +144,16 @@ def opened(path: Path, what: str, lenient: bool = False) -> Iterator[Bounded]:
     """A file to be read; arguments as for `Bounded`. Raises as `strandcli.files.inputs.opened`."""
     with inputs.opened(path) as file:
         yield Bounded(path, file, os.fstat(file.fileno()).st_size, what, lenient)
+
+
+def numbers_of(text: bytes) -> npt.NDArray[np.float64] | None:
+    """The numbers of a text, between blanks; None where it has anything else."""
+    with warnings.catch_warnings(), np.errstate(over="ignore"):
+        warnings.simplefilter("error")
+        try:
+            return np.fromstring(text, np.float64, sep=" ") if text.strip() else np.zeros(0)
+        except (ValueError, DeprecationWarning):
+            return None
 
 
 def too_many(field: str, count: int, each: int, size: int) -> str | None:

@@ -6,7 +6,6 @@ They are read by blocks of lines, so that words of all of it never are in memory
 from __future__ import annotations
 
 import re
-import warnings
 from collections.abc import Callable, Iterator
 from pathlib import Path
 from typing import Any
@@ -15,7 +14,7 @@ import numpy as np
 import numpy.typing as npt
 
 from ..errors import UsageError, one_line
-from .bounded import Bounded, Growing, opened
+from .bounded import Bounded, Growing, numbers_of, opened
 
 BLOCK, LONGEST = 1 << 18, 1 << 22
 """Bytes that are read at once, and of a line."""
@@ -141,13 +140,8 @@ def _numbers(rows: Words, least: int) -> npt.NDArray[np.float64] | None:
     width = min(map(len, rows))
     if width < least:
         return None
-    with warnings.catch_warnings():
-        warnings.simplefilter("error")  # of text that is no number
-        try:
-            found = np.fromstring(b" ".join([b" ".join(row[:width]) for row in rows]), np.float64, sep=" ")
-            return found.reshape(len(rows), width)
-        except (ValueError, DeprecationWarning):
-            return None
+    found = numbers_of(b" ".join([b" ".join(row[:width]) for row in rows]))
+    return None if found is None or found.size != len(rows) * width else found.reshape(len(rows), width)
 
 
 def _shown(words: bytes) -> str:
@@ -157,17 +151,16 @@ def _shown(words: bytes) -> str:
 
 def blocks(file: Bounded) -> Iterator[list[bytes]]:
     """Lines, some at once; those that end in a backslash go on in the next one."""
-    rest = b""
-    while file.left:
-        content = rest + file.take("lines", min(BLOCK, file.left))
-        end = content.rfind(b"\n") + 1
-        while end and (content[end - 2 : end - 1] == b"\\" or content[end - 3 : end - 1] == b"\\\r"):
-            end = content.rfind(b"\n", 0, end - 1) + 1
-        end = end if file.left else len(content)
-        whole, rest = content[:end], content[end:]
-        if len(rest) > LONGEST:
-            raise file.damaged(f"lines: no end of line within {LONGEST:,} bytes")
+    for whole in file.blocks("line", BLOCK, LONGEST, _last_end):
         yield whole.replace(b"\\\r\n", b" ").replace(b"\\\n", b" ").splitlines()
+
+
+def _last_end(content: bytes) -> int:
+    """Where the last whole line ends."""
+    end = content.rfind(b"\n") + 1
+    while end and (content[end - 2 : end - 1] == b"\\" or content[end - 3 : end - 1] == b"\\\r"):
+        end = content.rfind(b"\n", 0, end - 1) + 1
+    return end
 
 
 def line_of(path: Path, name: bytes, number: int) -> int:

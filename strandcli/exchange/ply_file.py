@@ -4,7 +4,6 @@ text or binary of either byte order, with lists or without."""
 from __future__ import annotations
 
 import struct
-import warnings
 from array import array
 from collections.abc import Callable, Mapping
 from dataclasses import dataclass, field
@@ -14,7 +13,7 @@ from typing import Any
 import numpy as np
 import numpy.typing as npt
 
-from .bounded import SLICE, Bounded, Growing, opened
+from .bounded import SLICE, Bounded, Growing, numbers_of, opened
 
 TYPES = {
     "char": "i1", "int8": "i1", "uchar": "u1", "uint8": "u1", "short": "i2", "int16": "i2", "ushort": "u2",
@@ -223,18 +222,13 @@ def _gathered(values: Numbers, begins: Numbers, lengths: Numbers, step: int) -> 
 
 def _numbers(file: Bounded) -> Numbers:
     """All numbers of a text. Raises `UsageError` for what is no number."""
-    found, rest = Growing(np.float64), b""
-    while file.left:
-        begin = file.position - len(rest)
-        text = rest + file.take("content", min(SLICE, file.left))
-        end = max(text.rfind(b"\n"), text.rfind(b" ")) + 1 if file.left else len(text)
-        text, rest = text[:end], text[end:]
-        with warnings.catch_warnings():
-            warnings.simplefilter("error")
-            try:
-                found.add(np.fromstring(text, np.float64, sep=" ") if text.strip() else ())
-            except (ValueError, DeprecationWarning):
-                raise file.damaged("has more than numbers, unlike its header", begin) from None
+    found, begin = Growing(np.float64), file.position
+    for text in file.blocks("a number", SLICE, SLICE, lambda text: max(text.rfind(b"\n"), text.rfind(b" ")) + 1):
+        numbers = numbers_of(text)
+        if numbers is None:
+            raise file.damaged("has more than numbers, unlike its header", begin)
+        found.add(numbers)
+        begin += len(text)
         file.room("numbers", found.size, OF_NUMBER)
     return found.taken()
 

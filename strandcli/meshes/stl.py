@@ -6,7 +6,6 @@ Text is read by blocks that end with a facet, so that words of all of it never a
 from __future__ import annotations
 
 import re
-from collections.abc import Iterator
 from pathlib import Path
 from typing import Any
 
@@ -66,7 +65,7 @@ def _binary(file: Bounded) -> npt.NDArray[Any] | None:
 def _text(file: Bounded) -> npt.NDArray[np.float64]:
     """Corners (T, 3, 3) of the facets of a text."""
     rows, line, last = Growing(np.float64, 9), 1, b""
-    for content in _blocks(file):
+    for content in map(bytes.lower, file.blocks("a facet", BLOCK, LONGEST, _last_end)):
         found = FACETS.findall(content)
         names = SOLIDS.findall(content)
         if SOLIDS.sub(b"", FACETS.sub(b"", content)).strip():
@@ -84,16 +83,10 @@ def _text(file: Bounded) -> npt.NDArray[np.float64]:
     return rows.taken().reshape(-1, 3, 3)
 
 
-def _blocks(file: Bounded) -> Iterator[bytes]:
-    """The text in small letters, some at once, each but the last up to the end of a facet."""
-    rest = b""
-    while file.left:
-        content = rest + file.take("facets", min(BLOCK, file.left)).lower()
-        end = (content.rfind(END) + len(END) if END in content else 0) if file.left else len(content)
-        rest = content[end:]
-        if len(rest) > LONGEST:
-            raise file.damaged(f"facets: no end of a facet within {LONGEST:,} bytes")
-        yield content[:end]
+def _last_end(content: bytes) -> int:
+    """Where the last whole facet ends."""
+    found = content.lower().rfind(END)
+    return found + len(END) if found >= 0 else 0
 
 
 def _lines(content: bytes) -> int:

@@ -9,14 +9,13 @@ from __future__ import annotations
 import os
 import re
 import stat
-import warnings
 from itertools import chain
 from typing import Any
 
 import numpy as np
 from pxr import Ar, Sdf, Tf, Usd, UsdUtils, Vt
 
-from ..bounded import Growing
+from ..bounded import Growing, numbers_of
 from .process import RefusedFileError
 
 
@@ -136,15 +135,8 @@ def _array(text: bytes, begin: int, end: int, kind: str, width: int, made: Any) 
         signs += [text.count(sign, begin, stop) for sign in (b",", b"(", b")")]
         words = text[begin:stop].translate(BLANK)
         begin = stop
-        if not words.strip():
-            continue
-        try:
-            with warnings.catch_warnings(), np.errstate(over="ignore"):
-                warnings.simplefilter("error", DeprecationWarning)
-                found = np.fromstring(words, np.float64, sep=" ")
-        except (ValueError, DeprecationWarning):
-            raise OtherwiseError from None
-        if kind == "i4" and not (np.abs(found) < 2**31).all():
+        found = numbers_of(words)
+        if found is None or (kind == "i4" and not (np.abs(found) < 2**31).all()):
             raise OtherwiseError
         with np.errstate(over="ignore"):
             rounded = found.astype(kind)
