@@ -17,7 +17,7 @@ from . import colmap, transforms, usd
 from .pinhole import UP, MissingSize, Pinhole, Views, above, from_dict, of_camera, to_camera
 
 if TYPE_CHECKING:
-    from ..scene.model import Camera, Scene
+    from ..scene.model import Scene
 
 KINDS = "transforms.json, a folder of COLMAP text files, dataset.json of strandcli, or USD"
 OWN = "dataset.json"
@@ -25,6 +25,8 @@ OWN = "dataset.json"
 USD = (".usd", ".usda", ".usdc", ".usdz")
 MOST = 1_000_000
 """Views of a file."""
+OF_LENS = ("aperture", "focus", "shutter", "samples", "file", "name")
+"""Settings of a camera that stay where its views are those of a file."""
 
 
 def file_of(path: Path) -> Path:
@@ -127,7 +129,8 @@ def with_views(scene: Scene) -> Scene:
         if len(sizes) > 1:
             listed = " and ".join(f"{width}x{height}" for width, height in sizes[:2])
             raise UsageError(f"{path}: views are of several sizes, {listed} for two; a film has one")
-    cameras = tuple(_like(to_camera(view, base.near), base) for view in found)
+    lens = {name: getattr(base, name) for name in OF_LENS}
+    cameras = tuple(replace(to_camera(view, base.near), **lens) for view in found)
     frames = len(cameras) if scene.time.frames == 1 else scene.time.frames
     return replace(
         scene,
@@ -135,19 +138,6 @@ def with_views(scene: Scene) -> Scene:
         image=replace(scene.image, size=sizes[0]),
         time=replace(scene.time, frames=frames),
         detail=None,  # strands that one view does not need the rest may
-    )
-
-
-def _like(camera: Camera, base: Camera) -> Camera:
-    """A camera with the lens and shutter of another."""
-    return replace(
-        camera,
-        aperture=base.aperture,
-        focus=base.focus,
-        shutter=base.shutter,
-        samples=base.samples,
-        file=base.file,
-        name=base.name,
     )
 
 

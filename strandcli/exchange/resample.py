@@ -3,7 +3,6 @@ those within bounds of length, or so many."""
 
 from __future__ import annotations
 
-import math
 from collections.abc import Iterator
 from dataclasses import replace
 from typing import Any
@@ -28,12 +27,10 @@ def resampled(strands: Strands, count: int) -> tuple[Strands, Change]:
         name: np.empty((total, *one.values.shape[1:]), one.values.dtype)
         for name, one in strands.attributes.items() if one.domain == "point"
     }  # fmt: skip
-    worst = _Worst()
+    deviation = np.zeros(strands.count)
     for rows, first, points in _some(strands, count):
-        deviation = np.zeros(first.size - 1)
         low, share = np.empty(out[rows].shape[:2], np.int64), np.empty(out[rows].shape[:2], np.float32)
-        along.resample(first, strands.points[points], low, share, out[rows], deviation)
-        worst.add(rows, deviation)
+        along.resample(first, strands.points[points], low, share, out[rows], deviation[rows])
         for name, found in values.items():
             here = strands.attributes[name].values[points]
             found[rows.start * count : rows.stop * count] = _between(here, low.reshape(-1), share.reshape(-1))
@@ -41,7 +38,7 @@ def resampled(strands: Strands, count: int) -> tuple[Strands, Change]:
     changed = replace(
         strands, first=even_offsets(strands.count, count), points=out.reshape(-1, 3), attributes=attributes
     )
-    return changed, _change("resample", f"resampled to {count} points a strand", strands, changed, worst)
+    return changed, _change("resample", f"resampled to {count} points a strand", strands, changed, deviation)
 
 
 def _some(strands: Strands, count: int) -> Iterator[tuple[slice, Offsets, slice]]:
@@ -54,33 +51,17 @@ def _some(strands: Strands, count: int) -> Iterator[tuple[slice, Offsets, slice]
             yield slice(begin, end), first - first[0], slice(int(first[0]), int(first[-1]))
 
 
-class _Worst:
-    """The largest distance of an old point from its new strand, and of which strand it is."""
-
-    def __init__(self) -> None:
-        self.distance, self.strand = 0.0, 0
-
-    def add(self, rows: slice, distances: npt.NDArray[np.float64]) -> None:
-        """Take in some strands (k,)."""
-        most = int(np.argmax(distances))
-        found = float(distances[most])
-        if found > self.distance or (math.isnan(found) and not math.isnan(self.distance)):
-            self.distance, self.strand = found, rows.start + most
-
-
 def simplified(strands: Strands, tolerance: float) -> tuple[Strands, Change]:
     """Strands without the points that lie within ``tolerance`` of the segment between those about them, as do the
     strand's edges there."""
     width = strands.attributes.get("width")
     widths = None if width is None or width.domain != "point" else width.values.astype(np.float32, copy=False)
-    keep, worst = np.zeros(strands.points.shape[0], np.bool_), _Worst()
+    keep, deviation = np.zeros(strands.points.shape[0], np.bool_), np.zeros(strands.count)
     for rows, first, points in _some(strands, 1):
-        deviation = np.zeros(first.size - 1)
         own = None if widths is None else widths[points]
-        along.simplify(first, strands.points[points], own, tolerance, keep[points], deviation)
-        worst.add(rows, deviation)
+        along.simplify(first, strands.points[points], own, tolerance, keep[points], deviation[rows])
     changed = strands.thinned(keep)
-    return changed, _change("simplify", f"simplified to {tolerance:g}", strands, changed, worst)
+    return changed, _change("simplify", f"simplified to {tolerance:g}", strands, changed, deviation)
 
 
 def _between(values: npt.NDArray[Any], low: npt.NDArray[np.int64], share: npt.NDArray[np.float32]) -> Any:
@@ -91,13 +72,18 @@ def _between(values: npt.NDArray[Any], low: npt.NDArray[np.int64], share: npt.ND
     return (1 - part) * values[low] + part * values[low + 1]
 
 
-def _change(edit: str, text: str, before: Strands, after: Strands, worst: _Worst) -> Change:
+def _change(
+    edit: str, text: str, before: Strands, after: Strands, deviation: npt.NDArray[np.float64]
+) -> Change:  # fmt: skip
+    """``deviation`` (S,): the largest distance of an old point of each strand from the new one."""
+    strand = int(np.argmax(deviation)) if deviation.size else 0
+    most = float(deviation[strand]) if deviation.size else 0.0
     points = f"{before.points.shape[0]:,} points became {after.points.shape[0]:,}"
-    where = f" (strand {worst.strand:,})" if worst.distance > 0 else ""
+    where = f" (strand {strand:,})" if most > 0 else ""
     return Change(
-        edit, f"{text}: {points}, largest deviation {worst.distance:.4g}{where}",
-        {"points_before": before.points.shape[0], "points": after.points.shape[0], "deviation_max": worst.distance,
-         "deviation_strand": worst.strand if worst.distance > 0 else None},
+        edit, f"{text}: {points}, largest deviation {most:.4g}{where}",
+        {"points_before": before.points.shape[0], "points": after.points.shape[0], "deviation_max": most,
+         "deviation_strand": strand if most > 0 else None},
     )  # fmt: skip
 
 

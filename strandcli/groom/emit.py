@@ -26,6 +26,14 @@ def stream(seed: int, number: int, count: int) -> NDArray[np.float64]:
     return np.random.Generator(np.random.Philox(key=(seed, number))).random(count)
 
 
+def tones_of(seed: int, strands: int) -> NDArray[np.float32]:
+    """From -1 to 1 for each strand (S,)."""
+    found = stream(seed, 5, strands)
+    found *= 2.0
+    found -= 1.0
+    return found.astype(np.float32)
+
+
 def emit(emitter: Emitter, seed: int, strands: int | None = None) -> Groom:
     """Return the first ``strands`` strands of an emitter, by default all."""
     count = emitter.strands if strands is None else min(strands, emitter.strands)
@@ -59,7 +67,7 @@ def emit(emitter: Emitter, seed: int, strands: int | None = None) -> Groom:
     lengths = emitter.length * np.maximum(1.0 + spread, LEAST_LENGTH)
     if ground is not None:
         lengths = lengths * ground.lengths
-    tones = (2.0 * stream(seed, 5, count) - 1.0).astype(np.float32)
+    tones = tones_of(seed, count)
     found = None
     if isinstance(emitter.shape, MeshShape) and ground is not None:
         from .on_mesh import coat

@@ -21,7 +21,7 @@ from ..exchange.strands import CHUNK, Offsets, Points, Strands, even_offsets
 from ..files.inputs import cached
 from ..groom.blocks import spatial_order
 from ..groom.deforming import units
-from ..groom.emit import stream
+from ..groom.emit import tones_of
 from ..groom.record import Groom
 from ..mesh_file.read import UP, standing
 from .colours import colours_of, widths_of
@@ -40,10 +40,6 @@ from .rows import (
 
 if TYPE_CHECKING:
     from ..scene.model import GroomFile, Scene
-
-TONES = 5
-"""Number of the random stream of tones, as `strandcli.groom.emit` has it."""
-
 
 NO_POINTS = np.zeros((0, 3), np.float32)
 
@@ -206,7 +202,7 @@ def _made(
     packed_widths = None if widths is None else widths.packed(strands, placement.factor, rows, order, most)
     points = packed(strands.first, strands.points, rows, order, most)
     del strands  # all else follows from what is packed
-    tones = (_tones(seed, order.size) if colours is None else colours.tones)[order]
+    tones = (tones_of(seed, order.size) if colours is None else colours.tones)[order]
     roots = points_in(points, order.size, 0)
     groom = Groom(
         roots,
@@ -230,14 +226,6 @@ def _directions(roots: Points, seconds: Points) -> Points:
         part = seconds[begin : begin + CHUNK]
         part[:] = units(part.astype(np.float64) - roots[begin : begin + CHUNK])
     return seconds
-
-
-def _tones(seed: int, strands: int) -> NDArray[np.float32]:
-    """From -1 to 1 for each strand (S,)."""
-    found = stream(seed, TONES, strands)
-    found *= 2.0
-    found -= 1.0
-    return found.astype(np.float32)
 
 
 def _chosen(

@@ -6,10 +6,8 @@ from collections.abc import Iterator
 from pathlib import Path
 from typing import Any
 
-import numpy as np
-
 from ..common.counted import counted
-from ..meshes.bvh import MARGIN
+from ..meshes.bvh import grid_nodes
 from .prepared import box_of, mesh_of
 
 PER_TRIANGLE = 360
@@ -22,10 +20,8 @@ FAR = 10.0
 
 def nodes(settings: Any) -> tuple[int, int, int]:
     """Nodes of the grid of distances along x, y and z, as `make_distance_grid` has them."""
-    low, high = box_of(settings)
-    spacing = float((high - low).max()) / (settings.resolution - 1 - 2 * MARGIN)
-    counts = np.ceil((high - low) / spacing - 1e-6).astype(int) + 1 + 2 * MARGIN
-    return int(counts[0]), int(counts[1]), int(counts[2])
+    x, y, z = grid_nodes(*box_of(settings), settings.resolution)[0].tolist()
+    return x, y, z
 
 
 def grid_bytes(settings: Any) -> int:

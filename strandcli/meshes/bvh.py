@@ -112,10 +112,7 @@ def make_distance_grid(
     box: low and high corner that take the place of the mesh's, so that meshes in motion have the same nodes.
     """
     low, high = box or (bvh.boxes[0, :3].astype(np.float64), bvh.boxes[0, 3:].astype(np.float64))
-    longest = float((high - low).max())
-    wide = MARGIN * longest / (resolution - 1 - 2 * MARGIN)
-    spacing = (longest + 2 * wide) / (resolution - 1)
-    counts = np.ceil((high - low + 2 * wide) / spacing - 1e-6).astype(int) + 1
+    counts, spacing = grid_nodes(low, high, resolution)
     middle = 0.5 * (low + high)
     first = -0.5 * spacing * (counts - 1)
     blocks = -(-counts // SIDE)
@@ -128,6 +125,16 @@ def make_distance_grid(
     values = values.reshape(counts[2], blocks[1] * SIDE, blocks[0] * SIDE)
     values = np.ascontiguousarray(values[:, : counts[1], : counts[0]])
     return DistanceGrid(values, (middle + first).astype(np.float32), np.float32(spacing))
+
+
+def grid_nodes(
+    low: npt.NDArray[np.float64], high: npt.NDArray[np.float64], resolution: int
+) -> tuple[npt.NDArray[np.int64], float]:
+    """Nodes (3,) along x, y and z of the grid of a mesh with these corners, and how far they are apart."""
+    longest = float((high - low).max())
+    wide = MARGIN * longest / (resolution - 1 - 2 * MARGIN)
+    spacing = (longest + 2 * wide) / (resolution - 1)
+    return np.ceil((high - low + 2 * wide) / spacing - 1e-6).astype(np.int64) + 1, spacing
 
 
 def packet_tree(bvh: Bvh, middle: npt.NDArray[np.float64]) -> PacketTree:
