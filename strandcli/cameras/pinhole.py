@@ -146,8 +146,8 @@ def of_camera(camera: Camera, name: str, width: int, height: int) -> Pinhole:
     return Pinhole(name, width, height, focal, centre, rotation, eye, perspective)
 
 
-def to_camera(view: Pinhole, near: float, distance: float = 1.0) -> Camera:
-    """A scene's camera of this view, with its near plane or ``near``, that looks at a point so many metres ahead."""
+def to_camera(view: Pinhole, near: float) -> Camera:
+    """A scene's camera of this view, with its near plane or ``near``, that looks at a point a metre ahead."""
     from ..scene.model import Camera
 
     axis_x, axis_y = view.centre[0] / view.width, view.centre[1] / view.height
@@ -155,7 +155,7 @@ def to_camera(view: Pinhole, near: float, distance: float = 1.0) -> Camera:
     return Camera(
         kind="perspective" if view.perspective else "orthographic",
         position=xyz(view.eye),
-        target=xyz(view.eye + distance * view.rotation[2]),
+        target=xyz(view.eye + view.rotation[2]),
         up=xyz(-view.rotation[1]),
         fov=fov,
         height=Camera().height if view.perspective else view.height / view.focal,

@@ -4,7 +4,7 @@ from __future__ import annotations
 
 from collections.abc import Iterable, Sequence
 from pathlib import Path
-from typing import Any, NamedTuple
+from typing import Any
 
 import numpy as np
 import numpy.typing as npt
@@ -42,11 +42,11 @@ def write(path: Path, strands: Strands, samples: Iterable[TimeSample] | None = N
         writer = Writer(file)
         moving = int(samples is not None)
         stored, times = _moments(path, writer, strands, there, samples)
-        writes = _Properties(writer, (len(times), moving))
+        writer.times = len(times), moving
         holders: list[Member] = []
         lost: set[str] = set()
         for name, piece, (points, boxes) in zip(there.names, there.strands, stored, strict=True):
-            geometry, left = _geometry(writes, piece, points, boxes)
+            geometry, left = _geometry(writer, piece, points, boxes)
             geom = writer.compound(".geom", {"schema": layout.CURVES, "schemaBaseType": layout.BASE}, geometry)
             shape = writer.object(f"{name}{SHAPE}", layout.CURVES, [geom], [], layout.BASE)
             place = writer.compound(".xform", {"schema": layout.XFORM}, [])
@@ -62,17 +62,6 @@ def write(path: Path, strands: Strands, samples: Iterable[TimeSample] | None = N
             entries["_ai_DCC_FPS"] = f"{1 / cycle:.6g}"
         writer.close(top, entries, samplings)
     return left_out(strands, ".abc", strands.attributes.keys() - lost) + renamed(strands, legal, ".abc")
-
-
-class _Properties(NamedTuple):
-    """Writes properties of so many samples, of one or of several moments."""
-
-    writer: Writer
-    times: tuple[int, int]
-
-    def of(self, name: str, kind: Kind, values: npt.NDArray[Any], form: int = layout.ARRAY) -> Member:
-        """A property that is the same at all times."""
-        return self.writer.property(name, form, kind, [self.writer.sample(values)], self.times)
 
 
 def _moments(
@@ -105,40 +94,39 @@ def _cycle(times: list[float]) -> tuple[float, Sequence[float]]:
 
 
 def _geometry(
-    writes: _Properties, strands: Strands, points: list[Sample], boxes: list[Sample]
+    writer: Writer, strands: Strands, points: list[Sample], boxes: list[Sample]
 ) -> tuple[list[Member], list[str]]:
     """The properties of the curves, and the names of attributes that are left out."""
-    writer = writes.writer
     box = Kind("float64_t", 6, {"interpretation": "box"})
     place = Kind("float32_t", 3, {"geoScope": "vtx", "interpretation": "point"})
     basis = np.array([layout.LINEAR, 0, 0, 0], np.uint8)
     found = [
-        writer.property(".selfBnds", layout.SCALAR, box, boxes, writes.times),
-        writer.property("P", layout.ARRAY, place, points, writes.times),
-        writes.of("nVertices", Kind("int32_t", 1, {}), strands.counts("<i4")),
-        writes.of("curveBasisAndType", Kind("uint8_t", 4, {}), basis, layout.SCALAR),
+        writer.property(".selfBnds", layout.SCALAR, box, boxes),
+        writer.property("P", layout.ARRAY, place, points),
+        writer.still("nVertices", Kind("int32_t", 1, {}), strands.counts("<i4")),
+        writer.still("curveBasisAndType", Kind("uint8_t", 4, {}), basis, layout.SCALAR),
     ]
-    own, added, lost = _attributes(writes, strands)
+    own, added, lost = _attributes(writer, strands)
     found += own
     if added:
         found.append(writer.compound(".arbGeomParams", {}, added))
     return found, lost
 
 
-def _attributes(writes: _Properties, strands: Strands) -> tuple[list[Member], list[Member], list[str]]:
+def _attributes(writer: Writer, strands: Strands) -> tuple[list[Member], list[Member], list[str]]:
     """Attributes that curves have themselves, those that are added to them, and the names of the rest."""
     own, lost = [], []
     added: dict[str, Member] = {}
     for attribute, one in strands.attributes.items():
         property = _curves_own(attribute, one, strands)
         if property is not None:
-            own.append(writes.of(*property))
+            own.append(writer.still(*property))
             continue
         name, numbers = ADDED.get(attribute, attribute), _numbers(one)
         if numbers is None or not name or "/" in name or name in added:
             lost.append(attribute)
         else:
-            added[name] = writes.of(name, _kind(one.domain, numbers, attribute == "colour"), numbers)
+            added[name] = writer.still(name, _kind(one.domain, numbers, attribute == "colour"), numbers)
     return own, list(added.values()), lost
 
 

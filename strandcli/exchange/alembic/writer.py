@@ -49,6 +49,8 @@ class Writer:
         self.file = file
         self.size = file.write(layout.HEADER.pack(layout.MAGIC, 0, layout.VERSION, 0))
         self.indexed: dict[str, int] = {}
+        self.times = 1, 0
+        """How many samples properties have, and the index of their times."""
         self.samples: dict[tuple[bytes, int], Sample] = {}
 
     def data(self, *pieces: Any) -> int:
@@ -89,10 +91,14 @@ class Writer:
             self.indexed[text] = len(self.indexed) + 1
         return self.indexed[text], b""
 
-    def property(self, name: str, form: int, kind: Kind, samples: Sequence[Sample], times: tuple[int, int]) -> Member:
-        """A property of arrays or of scalars: ``samples``, one where they are all the same, else as many as ``times``
-        says, with the index of their times."""
-        count, sampling = times
+    def still(self, name: str, kind: Kind, values: npt.NDArray[Any], form: int = layout.ARRAY) -> Member:
+        """A property that is the same at all times."""
+        return self.property(name, form, kind, [self.sample(values)])
+
+    def property(self, name: str, form: int, kind: Kind, samples: Sequence[Sample]) -> Member:
+        """A property of arrays or of scalars: ``samples``, one where they are all the same, else as many as there are
+        times."""
+        count, sampling = self.times
         words = [word for one in samples for word in (one.word, layout.DATA)[: 1 + (form == layout.ARRAY)]]
         info = form | layout.NUMBER[kind.type] << layout.TYPE | layout.SAME_SIZE | kind.extent << layout.EXTENT
         info |= (layout.CONSTANT if len(samples) < 2 else 0) | (layout.SAMPLED if sampling else 0)
