@@ -80,8 +80,6 @@ class FrameWriter:
         Raises ``RefusedError`` for a folder that cannot be written to or has too little room, or where another run is
         writing the same frames, and ``UsageError`` for files that are in the way.
         """
-        if overwrite and resume:
-            raise UsageError("--overwrite and --resume exclude each other: replace the frames, or skip them")
         self.directory = directory
         self.size = size
         self.scene = scene

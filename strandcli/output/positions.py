@@ -52,8 +52,6 @@ class PositionsWriter:
         overwrite: bool, resume: bool, motion: Motion | None = None,
     ) -> None:  # fmt: skip
         """Refuses up front as `FrameWriter` does. With ``resume``, files that are whole and of this ``motion`` stay."""
-        if overwrite and resume:
-            raise UsageError("--overwrite and --resume exclude each other: replace the files, or skip them")
         self.directory = directory
         self.shape = (strands, particles, 3)
         self.motion = motion or Motion("", {})

@@ -61,8 +61,6 @@ def test_existing_frames_are_named_and_kept_from_harm(tmp_path: Path) -> None:
     assert (tmp_path / frame_file(2)).read_bytes() == before
     assert FrameWriter(tmp_path, [6, 7], SIZE).wanted == (6, 7)
     assert FrameWriter(tmp_path, [2, 6], SIZE, overwrite=True).wanted == (2, 6)
-    with pytest.raises(UsageError, match="exclude each other"):
-        FrameWriter(tmp_path, [2], SIZE, overwrite=True, resume=True)
 
 
 def test_other_files_of_the_run_are_protected_too(tmp_path: Path) -> None:
