@@ -42,11 +42,13 @@ def run(given: Mapping[str, Any]) -> None:
             raise UsageError(f"--watch draws one frame again and again: --{name.replace('_', '-')} does not go with it")
     folder = given["output"] or options.default_folder(given["preset"])
     path = folder / FILE
-    _require_ours(path, given["overwrite"])
     frame = given["frames"].numbers()[0] if given["frames"] is not None else 1
     from ..compiling import runtime
-    from ..output.files import prepare_folder
+    from ..output import png
+    from ..output.files import prepare_folder, require_own
 
+    if not given["overwrite"]:
+        require_own(path, lambda path: png.keyword(path, "Software") == "strandcli")
     prepare_folder(folder, 0)
     preview = Preview(given["preview"])
     watcher = Watcher(given["preset"])
@@ -67,13 +69,6 @@ def run(given: Mapping[str, Any]) -> None:
     except KeyboardInterrupt as end:
         if type(end) is not KeyboardInterrupt:  # SIGTERM and SIGHUP
             raise
-
-
-def _require_ours(path: Path, overwrite: bool) -> None:
-    from ..output import png
-
-    if path.exists() and not overwrite and png.keyword(path, "Software") != "strandcli":
-        raise UsageError(f"{path}: was not written by strandcli; add --overwrite to replace it")
 
 
 def _round(given: Mapping[str, Any], watcher: Watcher, path: Path, frame: int, preview: Preview, states: Path) -> None:

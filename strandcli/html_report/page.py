@@ -5,9 +5,10 @@ from __future__ import annotations
 import html
 import math
 from collections.abc import Iterable, Sequence
+from contextlib import suppress
 from pathlib import Path
 
-from ..errors import UsageError, one_line
+from ..errors import one_line
 
 MARK = b"<!doctype html>\n<!-- strandcli report -->\n"
 """First bytes of every report, by which it is known among other files."""
@@ -139,19 +140,11 @@ def footer(version: str) -> str:
     return f"<footer>strandcli {text(version)}: {words}</footer>"
 
 
-def require_own(path: Path) -> None:
-    """``UsageError`` where something is at ``path`` that is no report of strandcli's own."""
-    try:
-        with path.open("rb") as file:
-            own = file.read(len(MARK)) == MARK
-    except FileNotFoundError:
-        return
-    except OSError:
-        own = False
-    if not own:
-        raise UsageError(
-            f"{path}: was not written by strandcli; add --overwrite to replace it, or choose another folder"
-        )
+def is_report(path: Path) -> bool:
+    """Whether a file is a report of strandcli's own."""
+    with suppress(OSError), path.open("rb") as file:
+        return file.read(len(MARK)) == MARK
+    return False
 
 
 COLOURS = ("#c2633a", "#3d7ea6", "#6b9a4f", "#b48a2c", "#8b6bb1", "#4aa39a", "#c05f7e", "#7d8590", "#a3785b", "#5470c6")

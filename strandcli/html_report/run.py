@@ -13,7 +13,7 @@ from typing import TYPE_CHECKING, Any, Self
 from .. import __version__
 from ..common.counted import counted
 from ..errors import StrandError
-from ..output.files import megabytes, write_pieces
+from ..output.files import megabytes, require_own, write_pieces
 from . import page, pictures
 
 if TYPE_CHECKING:
@@ -194,7 +194,7 @@ class HtmlPage:
         """Raises ``UsageError`` where a file of somebody else's is in its place, unless that may be replaced."""
         self._directory, self._scene = directory, scene
         if not overwrite:
-            page.require_own(directory / FILE)
+            require_own(directory / FILE, page.is_report)
 
     def write(self, data: Json, made: Sequence[Path] = ()) -> None:
         """Write it from the report's ``data``, with the animations that were ``made``."""

@@ -18,7 +18,7 @@ import time
 import tokenize
 import zipfile
 import zlib
-from collections.abc import Iterable, Iterator, Sequence
+from collections.abc import Callable, Iterable, Iterator, Sequence
 from contextlib import contextmanager, suppress
 from pathlib import Path
 from typing import Any, BinaryIO
@@ -127,14 +127,16 @@ def json_of(text: bytes) -> Any:
         raise ValueError("nested too deep") from None
 
 
-def require_own(path: Path) -> None:
-    """``UsageError`` where something is at ``path`` that is no JSON file of strandcli's own, which says its version."""
-    data = None
-    with suppress(StrandError):
-        data = read_json(path)
-    if not os.path.lexists(path):
-        return
-    if not isinstance(data, dict) or "strandcli" not in data:
+def is_own_json(path: Path) -> bool:
+    """Whether a file is JSON of strandcli's own, which says its version."""
+    with suppress(StrandError, TypeError, ValueError):
+        return "strandcli" in dict(read_json(path))
+    return False
+
+
+def require_own(path: Path, own: Callable[[Path], bool] = is_own_json) -> None:
+    """``UsageError`` where something is at ``path`` that is no file of strandcli's ``own``."""
+    if os.path.lexists(path) and not own(path):
         raise UsageError(
             f"{path}: was not written by strandcli; add --overwrite to replace it, or choose another folder with -o"
         )

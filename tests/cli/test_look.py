@@ -29,7 +29,7 @@ from strandcli.cli import preview as shown
 from strandcli.cli.watch import Watcher, _drawn, _with_one_turn
 from strandcli.errors import RefusedError, UsageError
 from strandcli.files import inputs
-from strandcli.output import png, video
+from strandcli.output import animation, png
 from strandcli.output.compare import write_image
 from strandcli.output.png import over
 from strandcli.run import pipeline
@@ -192,22 +192,22 @@ def test_ffmpeg_is_handed_every_frame_for_its_time(run: Runner, monkeypatch: pyt
     for number in (1, 3, 4):
         images.append(Path(f"frame_{number:04d}.png"))
         write_image(images[-1], picture((3, 5), number))
-    assert video.write_video(Path("film.mp4"), images, [1, 3, 4], 23.976) == 23.976
+    assert animation.write_video(Path("film.mp4"), images, [1, 3, 4], 23.976) == 23.976
     words, _, data = Path("film.mp4").read_bytes().partition(b"\n")
     assert b"-video_size 5x3 -framerate 2997/125" in words
     assert data == b"".join(picture((3, 5), number).tobytes() for number in (1, 1, 3, 4))
     bare = np.dstack([picture((3, 5), 1), np.full((3, 5), 90, np.uint8)])
     write_image(images[0], bare)
-    video.write_video(Path("bare.mp4"), images[:1], [1], 24, (9, 99, 199))
+    animation.write_video(Path("bare.mp4"), images[:1], [1], 24, (9, 99, 199))
     assert Path("bare.mp4").read_bytes().partition(b"\n")[2] == over(bare, (9, 99, 199)).tobytes()
     with pytest.raises(RefusedError, match="ffmpeg could not write it: no such luck"):
-        video.write_video(Path("fail.mp4"), images, [1, 3, 4], 24)
+        animation.write_video(Path("fail.mp4"), images, [1, 3, 4], 24)
     assert sorted(path.suffix for path in Path().iterdir() if path.name.startswith((".", "fail"))) == []
 
 
 def test_a_real_ffmpeg_makes_a_film_of_the_right_length(run: Runner) -> None:
     try:
-        command = video.ffmpeg()
+        command = animation.ffmpeg()
     except UsageError:
         pytest.skip("no ffmpeg")
     assert run("render", "tiny.yaml", "-f", "1-9x4", "--size", "63x47", "--animate", "mp4", "-o", "a", "-q").code == 0

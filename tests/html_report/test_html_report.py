@@ -21,6 +21,7 @@ from strandcli.errors import UsageError
 from strandcli.html_report import page, pictures, run
 from strandcli.output.animation import write_animation
 from strandcli.output.compare import write_image
+from strandcli.output.files import require_own
 from strandcli.output.png import GREY
 from strandcli.run import pipeline
 
@@ -181,4 +182,4 @@ def test_somebody_elses_page_stays(run: Runner) -> None:
     assert Path("out/report.html").read_text() == "<html>mine"
     assert not Path("out/frame_0001.png").exists()
     with pytest.raises(UsageError):
-        page.require_own(Path("out"))
+        require_own(Path("out"), page.is_report)
