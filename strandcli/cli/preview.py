@@ -6,7 +6,6 @@ Sources: kitty's "Terminal graphics protocol"; iTerm2's "Images" (OSC 1337).
 from __future__ import annotations
 
 import base64
-import io
 import os
 import shutil
 import sys
@@ -48,7 +47,9 @@ def detected(environment: Mapping[str, str]) -> str:
 
 def kitty(image: Pixels) -> str:
     """A picture in kitty's protocol: PNG in pieces of base64."""
-    data = base64.b64encode(_png(image)).decode("ascii")
+    from ..output.png import encode
+
+    data = base64.b64encode(b"".join(encode(image))).decode("ascii")
     pieces = [data[i : i + CHUNK] for i in range(0, len(data), CHUNK)]
     found = []
     for place, piece in enumerate(pieces):
@@ -60,7 +61,9 @@ def kitty(image: Pixels) -> str:
 
 def iterm2(image: Pixels) -> str:
     """A picture in iTerm2's protocol."""
-    data = _png(image)
+    from ..output.png import encode
+
+    data = b"".join(encode(image))
     text = base64.b64encode(data).decode("ascii")
     return f"\x1b]1337;File=inline=1;size={len(data)};preserveAspectRatio=1:{text}\x07\n"
 
@@ -98,14 +101,6 @@ def _fitted(image: Pixels, limit: tuple[int, int]) -> Pixels:
     if size == (width, height):
         return image
     return np.asarray(Image.fromarray(image).resize(size, Image.Resampling.LANCZOS))
-
-
-def _png(image: Pixels) -> bytes:
-    from PIL import Image
-
-    out = io.BytesIO()
-    Image.fromarray(image).save(out, "PNG", compress_level=1)
-    return out.getvalue()
 
 
 class Preview:

@@ -72,7 +72,7 @@ def command(
     """
     if watch or sweep:
         given = click.get_current_context().params
-        run_watch(given) if watch else run_sweep(_draw, given)
+        run_watch(given) if watch else run_sweep(command.callback, given)  # type: ignore[arg-type]
         return
     options.exclusive(max_error="motion" in (max_error or {}), from_cache=from_cache is not None)
     options.exclusive(checkpoint=checkpoint is not None, from_cache=from_cache is not None)
@@ -115,11 +115,6 @@ def command(
     talk.data(data)
     if not talk.quiet:
         tell(data, writer, made)
-
-
-def _draw(**given: Any) -> None:
-    """The command itself, for one point of a sweep."""
-    command.callback(**given)  # type: ignore[misc]
 
 
 def _run(

@@ -106,28 +106,27 @@ def animation_options(command: Callable[..., Any]) -> Callable[..., Any]:
     return kinds(over(command))
 
 
-def ground(scene: Scene, kinds: Sequence[str], over: Rgb | None) -> tuple[Rgb, bool]:
-    """What the frames of a scene are put over, and whether that is guessed: frames have alpha, and no colour was named.
-    Raises ``UsageError`` for a colour that nothing would be put over."""
-    from ..output.png import GREY
-
+def ground(scene: Scene, kinds: Sequence[str], over: Rgb | None) -> tuple[Rgb | None, bool]:
+    """What the frames of a scene are put over, None for mid grey, and whether that is guessed: they have alpha, and no
+    colour was named. Raises ``UsageError`` for a colour that nothing would be put over."""
     alpha = any(one.image.has_alpha for one in scene.panels or (scene,))
     if over is not None and not any(kind in OPAQUE for kind in kinds):
         raise UsageError("--over is for GIF and MP4, which have no alpha: add --animate gif or mp4, or leave it out")
     if over is not None and not alpha:
         raise UsageError("--over: the frames have a background; add --set image.background=none, or leave it out")
-    return over or GREY, alpha and over is None
+    return over, alpha and over is None
 
 
 def animate(
     writer: FrameWriter, data: Mapping[str, Any], asked: Sequence[str], replace: bool, fps: float,
-    under: tuple[Rgb, bool], talk: Talk,
+    under: tuple[Rgb | None, bool], talk: Talk,
 ) -> list[Path]:  # fmt: skip
     """Write the animations of a run with the report ``data``, of all frames of its scene in the folder: those that are
     ``asked`` for. Where a run that may ``replace`` files has drawn some of the frames, those that are there. Says what
     they could not do."""
     from ..output.animation import write_animation
     from ..output.frames import frame_file
+    from ..output.png import GREY
 
     numbers, made = [entry["frame"] for entry in data["frames"]], []
     there = [kind for kind in KINDS if (writer.directory / f"animation.{kind}").exists()]
@@ -137,7 +136,7 @@ def animate(
         paths = [writer.directory / frame_file(number) for number in numbers]
         try:
             signals.check()
-            shown = write_animation(path, paths, numbers, fps, under[0])
+            shown = write_animation(path, paths, numbers, fps, under[0] or GREY)
         except KeyboardInterrupt:
             talk.note(interrupted(writer, f"{path.name} is not written; "))
             raise

@@ -22,7 +22,7 @@ from ..run.fingerprint import fingerprint
 from ..run.frame import Frame
 from ..scene.detail import with_before
 from . import worker
-from .worker import ALIKE, Job, Task, facts
+from .worker import Job, Task, facts
 
 if TYPE_CHECKING:
     from numpy.typing import NDArray
@@ -140,7 +140,7 @@ def _compare(client: Any, address: str, warn: Callable[[str], None]) -> None:
             )
         for part in (one for one in mine if theirs.get(one) != mine[one]):
             differ = f"worker {name} has {part} {theirs.get(part)}, and this machine {mine[part]}"
-            if part in ALIKE:
+            if part == "strandcli":
                 raise UsageError(f"--dask {address}: {differ}: install the same version everywhere")
             warn(f"--dask {address}: {differ}; last bits of pixels may differ")
 

@@ -85,10 +85,6 @@ def _given_threads() -> int:
     return max(1, min(int(get_worker().state.nthreads), most))
 
 
-ALIKE = ("strandcli",)
-"""Of `facts`, what workers and the process that asks must have in common."""
-
-
 @dataclass(frozen=True)
 class Job:
     """A run. Dask sends it once to each worker."""

@@ -92,32 +92,25 @@ def make(order: Order, threads: int | None, talk: Talk) -> dict[str, Any]:
         prepare_folder(folder / part, 0)
     if not wanted and (folder / OWN).exists():
         return write_manifest(order, finished(folder, made))
-    claim = Claim(folder, FOLDER, wanted)
-    try:
-        return _drawn(order, wanted, made, threads, talk)
-    finally:
-        claim.release()
-
-
-def _drawn(order: Order, wanted: Sequence[int], made: str, threads: int | None, talk: Talk) -> dict[str, Any]:
-    """Draw views and finish the set."""
     from ..compiling import runtime
     from ..compiling.service import service
     from .studio import Studio
 
-    runtime.start(threads, talk.notify)
-    service.ahead(order.scene, threads)
+    claim = Claim(folder, FOLDER, wanted)
     try:
+        runtime.start(threads, talk.notify)
+        service.ahead(order.scene, threads)
         studio = Studio(order.scene, order.frame, talk.notify, talk.warn)
         try:
             _draw_all(order, studio, wanted, made, talk)
         finally:
-            entries = finished(order.folder, made)
+            entries = finished(folder, made)
             if entries:
                 _write_index(order, studio, entries)
             data = write_manifest(order, entries)
     finally:
         service.stop_ahead()
+        claim.release()
     return data
 
 

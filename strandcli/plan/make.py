@@ -69,7 +69,10 @@ def make_plan(scene: Scene, frames: Sequence[int], draw: bool = True, threads: i
         return _of_panels(scene, frames, draw)
     with naming_files(scene):
         plan = _of_scene(scene, frames, draw)
-        _plan_side_by_side(plan, scene, threads if draw else 1)
+        if draw and threads > 1 and plan.frames > 2:  # after the first ones
+            plan.frames_at_once = min(threads, plan.frames - 2, _fitting(plan, scene))
+        more = plan.frames_at_once - 1
+        plan.memory_at_once_bytes = plan.memory_bytes + (more * _each_more(plan, scene) if more else 0)
     return plan
 
 
@@ -125,14 +128,6 @@ def _each_more(plan: Plan, scene: Scene) -> int:
     """Return the bytes of each further frame that is drawn at once, with its thread and its copy of the state."""
     state = plan.strands * 12 * (scene.emitter.particles + 1)
     return picture_bytes(plan, scene) - shared_bytes(plan, scene) + state + THREAD
-
-
-def _plan_side_by_side(plan: Plan, scene: Scene, threads: int) -> None:
-    """Set how many frames are drawn at once, after the first ones, and what they take."""
-    if threads > 1 and plan.frames > 2:
-        plan.frames_at_once = min(threads, plan.frames - 2, _fitting(plan, scene))
-    more = plan.frames_at_once - 1
-    plan.memory_at_once_bytes = plan.memory_bytes + (more * _each_more(plan, scene) if more else 0)
 
 
 def checked_plan(scene: Scene, frames: Sequence[int], draw: bool = True, check: bool | None = None) -> Plan:

@@ -250,7 +250,6 @@ OTHERWISE = {
     "exchange/formats/npz.py",  # members of an archive that is open
     "exchange/usd/worker.py",  # the memory of its process
     "exchange/usd/open_stage.py",  # in the worker, which tells what files it has opened, as for the library
-    "exchange/formats/__init__.py",  # what its modules say of themselves
 }  # fmt: skip
 OPENERS = ("open", "os.open", "io.open", "np.load", "np.fromfile", "np.memmap", "np.genfromtxt", "np.loadtxt")
 
