@@ -119,9 +119,9 @@ def written(views: Sequence[Pinhole], points: Floats, suffix: str = ".png") -> d
         lens = (view.width, view.height, view.focal, view.centre)
         ident = lenses.setdefault(lens, len(lenses) + 1)
         pose = [*quaternion_of(view.rotation), *(-view.rotation @ view.eye)]
-        images.append(f"{number} {' '.join(_number(one) for one in pose)} {ident} {view.name}{suffix}\n\n")
+        images.append(f"{number} {' '.join(repr(float(one)) for one in pose)} {ident} {view.name}{suffix}\n\n")
     cameras = [
-        f"{ident} PINHOLE {width} {height} {' '.join(_number(one) for one in (focal, focal, *centre))}\n"
+        f"{ident} PINHOLE {width} {height} {' '.join(repr(float(one)) for one in (focal, focal, *centre))}\n"
         for (width, height, focal, centre), ident in lenses.items()
     ]
     cloud = [
@@ -137,8 +137,3 @@ def written(views: Sequence[Pinhole], points: Floats, suffix: str = ".png") -> d
     }
     bodies = {"cameras.txt": cameras, "images.txt": images, "points3D.txt": cloud}
     return {name: (head + "".join(bodies[name])).encode() for name, head in heads.items()}
-
-
-def _number(value: float) -> str:
-    """Text from which the same double precision number is read."""
-    return repr(float(value))

@@ -22,11 +22,8 @@ TABLES = {b"v": 3, b"vt": 2, b"vn": 3}
 """Statements with numbers, in the order in which corners name their rows, and how many numbers they have at least."""
 TAKES = {b"f": ("corners", 30), b"l": ("points of its lines", 16)}
 """Statements that name rows of tables: what these are, and bytes of memory that each takes."""
-CORNERS = (
-    (re.compile(rb"(?:[-+]?\d+ )*"), (0,)), (re.compile(rb"(?:[-+]?\d+/[-+]?\d+ )*"), (0, 1)),
-    (re.compile(rb"(?:[-+]?\d+//[-+]?\d+ )*"), (0, 2)), (re.compile(rb"(?:[-+]?\d+/[-+]?\d+/[-+]?\d+ )*"), (0, 1, 2)),
-)  # fmt: skip
-"""How corners are written, and the tables that they name."""
+CORNERS = [re.compile(rb"(?:[-+]?\d+%b )*" % (count * rb"/[-+]?\d+")) for count in range(len(TABLES))]
+"""How corners are written that name a row of one table, of the first two, and of all, where 0 stands for none."""
 CORNER = re.compile(rb"[-+]?\d{1,18}(?:/(?:[-+]?\d{1,18})?){0,2}")
 """A corner that is written in any of these forms, also with slashes that nothing follows."""
 MENDS = "write it anew from its program"
@@ -120,12 +117,12 @@ class ObjFile:
 
 def _corners(words: list[bytes]) -> tuple[npt.NDArray[np.int32], int | None]:
     """Corners (C, 3) as they are written, and the number of the first word that is none."""
-    text = b" ".join(words) + b" "
+    text = b" ".join(words).replace(b"//", b"/0/") + b" "
     corners = np.zeros((len(words), len(TABLES)), np.int32)
-    for pattern, tables in CORNERS:
+    for count, pattern in enumerate(CORNERS, 1):
         if pattern.fullmatch(text):
-            values = np.fromstring(text.replace(b"/", b" "), np.int64, sep=" ").reshape(-1, len(tables))
-            corners[:, tables] = np.clip(values, -(2**31), 2**31 - 1)
+            values = np.fromstring(text.replace(b"/", b" "), np.int64, sep=" ").reshape(-1, count)
+            corners[:, :count] = np.clip(values, -(2**31), 2**31 - 1)
             return corners, None
     for k, word in enumerate(words):  # each its own form
         if not CORNER.fullmatch(word):

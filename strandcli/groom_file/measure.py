@@ -112,8 +112,10 @@ def framed(camera: Camera, points: Floats, size: tuple[int, int]) -> Camera:
     """A camera, moved along and across its direction so that points (k, 3) fill the share `fit` of a picture of a size,
     pixels."""
     assert camera.fit is not None
-    ahead = _unit(np.subtract(camera.target, camera.position))
-    right = _unit(np.cross(ahead, camera.up))
+    ahead = np.subtract(camera.target, camera.position, dtype=np.float64)
+    ahead /= np.linalg.norm(ahead)
+    right = np.cross(ahead, camera.up)
+    right /= np.linalg.norm(right)
     above = np.cross(right, ahead)
     middle = 0.5 * (points.min(axis=0) + points.max(axis=0))
     x, y, z = ((points - middle) @ axis for axis in (right, above, ahead))
@@ -140,7 +142,3 @@ def _framed(x: Floats, z: Floats, slope: float) -> tuple[float, float]:
     holds all points: |x − aside| ≤ slope (away + z)."""
     one, other = float((x - slope * z).max()), float((-x - slope * z).max())
     return 0.5 * (one - other), 0.5 * (one + other) / slope
-
-
-def _unit(vector: Floats) -> Floats:
-    return np.asarray(vector / np.linalg.norm(vector))

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Iterable, Iterator
+from itertools import chain
 from pathlib import Path
 from typing import Any
 
@@ -88,10 +89,7 @@ def _messages(
     yield header, arrays
     widest = [max((float(values.max(initial=0.0)) for name, _, values in own if name == "widths"), default=0.0)
               for own in attributes]  # fmt: skip
-    yield _points(there, first, rate, widest)
-    if second is not None:
-        yield _points(there, second, rate, widest)
-    for moment in moments:
+    for moment in chain([first], [] if second is None else [second], moments):
         yield _points(there, moment, rate, widest)
     yield {"all": True}, []
 
