@@ -17,7 +17,7 @@ from ..exchange.files import Moments, ReadOptions, read_first
 from ..exchange.parts import moved
 from ..exchange.resample import some
 from ..exchange.splines import note_of
-from ..exchange.strands import CHUNK, Offsets, Points, Strands, even_offsets
+from ..exchange.strands import CHUNK, Offsets, Points, Strands
 from ..files.inputs import cached
 from ..groom.blocks import spatial_order
 from ..groom.deforming import units
@@ -41,8 +41,6 @@ from .rows import (
 if TYPE_CHECKING:
     from ..scene.model import GroomFile, Scene
 
-NO_POINTS = np.zeros((0, 3), np.float32)
-
 
 class Placement(NamedTuple):
     """Where strands of a file are put: their up axis, metres a unit, and their shift then (3,), metres."""
@@ -65,17 +63,17 @@ def placement_of(strands: Strands, given: GroomFile, notes: list[str]) -> Placem
     return Placement(up, *standing(box_of(strands.points), up, scale, given.size, given.place))
 
 
-def put(strands: Strands, given: GroomFile, placement: Placement) -> Strands:
-    """Strands of a file in metres, y up, where the scene wants them. Raises `UsageError` where single precision ends
-    before that."""
+def put(points: Points, given: GroomFile, placement: Placement) -> Points:
+    """Points (P, 3) of a file in metres, y up, where the scene wants them. Raises `UsageError` where single precision
+    ends before that."""
     matrix = np.eye(4)
     matrix[:3, :3], matrix[3, :3] = placement.factor * turning(placement.up, UP).T, placement.shift
     if np.array_equal(matrix, np.eye(4)):
-        return strands
-    points = moved(strands.points, matrix)
+        return points
+    points = moved(points, matrix)
     if not np.isfinite(box_of(points)).all():
         raise UsageError(f"{given.file}: points are too far out for single precision; set emitter.groom.scale or size")
-    return replace(strands, points=points)
+    return points
 
 
 @dataclass(frozen=True, eq=False)
@@ -142,17 +140,15 @@ def _film(
     """The moments of a file of which ``found`` is the first: all are edited and placed as this one. ``in_file``: points
     of each strand of the file; ``rows``: which of them are those of the ``strands`` that are drawn."""
     assert found.groom.places is not None
-    bare, order = Strands(strands.first, NO_POINTS), found.groom.places
-    pairs = Strands(even_offsets(strands.count, 2), NO_POINTS)
-    ends = rows[np.stack([strands.first[:-1], strands.first[:-1] + 1], axis=1).reshape(-1)]
+    first, order = strands.first, found.groom.places
+    ends = rows[np.stack([first[:-1], first[:-1] + 1], axis=1).reshape(-1)]
 
     def again(points: Points) -> NDArray[np.float32]:
-        moved, _ = with_at_most(put(replace(bare, points=points[rows]), given, found.placement), found.points)
+        moved, _ = with_at_most(Strands(first, put(points[rows], given, found.placement)), found.points)
         return packed(moved.first, moved.points, found.rows, order, found.points)
 
     def ends_again(points: Points) -> NDArray[np.float64]:
-        moved = put(replace(pairs, points=points[ends]), given, found.placement)
-        return moved.points.reshape(-1, 2, 3).astype(np.float64)
+        return put(points[ends], given, found.placement).reshape(-1, 2, 3).astype(np.float64)
 
     def anew(strands: Strands) -> Groom:
         chosen, _ = _chosen(strands, given, seed, [])
@@ -173,7 +169,7 @@ def _made(
     count, counts = strands.count, strands.counts(np.int32)
     least, longest = int(counts.min()), int(counts.max())
     placement = placement or placement_of(strands, given, notes)
-    strands = put(strands, given, placement)
+    strands = replace(strands, points=put(strands.points, given, placement))
     if head is not None:
         strands = put_on(strands, head, given.file, notes, placement.up, given)
     order = spatial_order(strands.roots())

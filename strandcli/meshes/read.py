@@ -98,7 +98,7 @@ def _moved(raw: RawMesh, like: TriangleMesh, path: Path) -> TriangleMesh:
     vertices[merge[merge >= 0]] = raw.vertices[merge >= 0]
     if not np.isfinite(vertices).all():
         raise UsageError(f"{path}: has vertices that are not finite; mend it in its program")
-    return replace(like, vertices=vertices, smooth=None, own=None)
+    return like.with_vertices(vertices)
 
 
 def _raw(path: Path) -> RawMesh:

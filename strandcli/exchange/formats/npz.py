@@ -35,7 +35,6 @@ USUAL = ("positions", "point", "points", "strands", "vertices", "xyz")
 FIRST, POINTS, POSITIONS, OBJECT_NAMES = "first", "points", "positions", "object_names"
 
 
-METHODS = (zipfile.ZIP_STORED, zipfile.ZIP_DEFLATED)
 LARGEST_DIRECTORY = 1 << 20
 """Bytes of an archive's list of members: one of a thousand arrays has a twentieth of it."""
 SPARE = 1 << 26
@@ -85,9 +84,6 @@ class Archive:
         return self.file.fault(f"{info.filename}: {message}", info.header_offset)
 
     def _member(self, info: zipfile.ZipInfo) -> Member | None:
-        if info.flag_bits & 1 or info.compress_type not in METHODS:
-            how = "encrypted" if info.flag_bits & 1 else f"packed by method {info.compress_type}"
-            raise self.fault(info, f"is {how}; write it anew with numpy.savez_compressed")
         with self.opened(info) as member:
             header = array_header(member)
             begin = member.tell()
