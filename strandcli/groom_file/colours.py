@@ -7,10 +7,10 @@ from dataclasses import dataclass
 import numpy as np
 from numpy.typing import NDArray
 
-from ..exchange.strands import WIDTHS, Offsets, Points, Strands, spans
+from ..exchange.strands import WIDTHS, Offsets, Strands, spans
 from ..groom.record import Widths
 from .measure import box_of
-from .rows import Rows, most_points, places_of, values_in
+from .rows import Rows, values_in
 
 MOST = 256
 """Colours of a palette."""
@@ -38,9 +38,9 @@ class Colours:
         return red, green, blue
 
 
-def colours_of(strands: Strands) -> Colours | None:
+def colours_of(strands: Strands, rows: Rows | None, most: int) -> Colours | None:
     """The colours of strands; None where the file has none, one grey for all that stands for none, or some that are
-    none. Those of points count where they change along a strand."""
+    none. Those of points count where they change along a strand. ``rows``: as of `rows_in`."""
     found = strands.attributes.get("colour")
     if found is None or found.domain == "groom" or found.values.ndim != 2 or found.values.shape[1] < 3:
         return None
@@ -54,7 +54,7 @@ def colours_of(strands: Strands) -> Colours | None:
         changes = (values[1:] != values[:-1]).any(axis=1)
         changes[strands.first[1:-1] - 1] = False
         if changes.any():
-            return _changing(strands, values)
+            return _changing(strands, values, rows, most)
         values = values[strands.first[:-1]]
     palette, rows = _palette(values)
     if len(palette) == 1:
@@ -67,9 +67,9 @@ def _tones(rows: NDArray[np.int64], count: int) -> Floats:
     return (2 * rows / (count - 1) - 1).astype(np.float32)
 
 
-def _changing(strands: Strands, values: Floats) -> Colours:
+def _changing(strands: Strands, values: Floats, places: Rows | None, most: int) -> Colours:
     """The colours of strands whose points have colours (P, 3)."""
-    profiles = along_of(strands, values).reshape(strands.count, -1)
+    profiles = along_of(strands, values, places, most).reshape(strands.count, -1)
     palette, rows = np.unique(profiles, axis=0, return_inverse=True)
     rows = rows.reshape(-1)
     if len(palette) > MOST:
@@ -83,21 +83,22 @@ def _changing(strands: Strands, values: Floats) -> Colours:
     return Colours(table, _tones(rows, len(palette)))
 
 
-def along_of(strands: Strands, values: Floats) -> Floats:
+def along_of(strands: Strands, values: Floats, places: Rows | None, most: int) -> Floats:
     """(S, ALONG, 3): values (P, 3) of points where the same share of the points that are drawn is nearer to the root,
     linear between points."""
     out = np.empty((strands.count, ALONG, 3), np.float32)
-    most = most_points(strands)
     for rows, part in spans(strands.first):
         first = strands.first[rows.start : rows.stop + 1] - part.start
-        out[rows] = _along(first, strands.points[part], values[part], most)
+        here = np.arange(part.stop - part.start) % most if places is None else places[part]
+        out[rows] = _along(first, here / (most - 1), values[part])
     return out
 
 
-def _along(first: Offsets, points: Points, values: Floats, most: int) -> Floats:
+def _along(first: Offsets, places: NDArray[np.float64], values: Floats) -> Floats:
+    """The same of some strands, of whose points (P,) shares are before ``places``."""
     strand = np.arange(first.shape[0] - 1)
     targets = (2.0 * strand[:, None] + np.linspace(0, 1, ALONG)).reshape(-1)
-    keys = places_of(first, points, most) + 2.0 * np.repeat(strand, np.diff(first))
+    keys = places + 2.0 * np.repeat(strand, np.diff(first))
     low, high = (np.repeat(ends, ALONG) for ends in (first[:-1], first[1:] - 2))
     begin = np.clip(np.searchsorted(keys, targets, side="right") - 1, low, high)
     span = keys[begin + 1] - keys[begin]

@@ -175,11 +175,12 @@ def _made(
     order = spatial_order(strands.roots())
     lengths = strands.lengths()
     widths = widths_of(strands, placement.factor, lengths, notes)
-    colours = colours_of(strands) if given.colours == "file" else None
-    if colours is not None:
-        notes.append(f"{given.file}: strands have the file's colours; emitter.groom.colours: none gives the material's")
     most = most_points(strands)
     strands, off = with_at_most(strands, most)
+    rows = rows_in(strands.first, strands.points, most)
+    colours = colours_of(strands, rows, most) if given.colours == "file" else None
+    if colours is not None:
+        notes.append(f"{given.file}: strands have the file's colours; emitter.groom.colours: none gives the material's")
     if most < longest:
         notes.append(
             f"{given.file}: strands of up to {longest:,} points are drawn with {most:,} each, at most {off:.3g} m "
@@ -193,7 +194,6 @@ def _made(
     if seen.apart:
         notes.append(f"{given.file}: some strands lie far from the rest; the picture is not fitted to them")
     lengths = lengths.astype(np.float32)[order]
-    rows = rows_in(strands.first, strands.points, most)
     seconds = 1 if rows is None else rows[strands.first[order] + 1]
     packed_widths = None if widths is None else widths.packed(strands, placement.factor, rows, order, most)
     points = packed(strands.first, strands.points, rows, order, most)

@@ -43,7 +43,7 @@ def rows_in(first: Offsets, points: Points, most: int) -> Rows | None:
     if (np.diff(first) == most).all():
         return None
     found: Rows = np.empty(points.shape[0], np.int16 if most <= np.iinfo(np.int16).max else np.int32)
-    kernel.place(first, points, most, 1.0, found)
+    kernel.place(first, points, most, found)
     return found
 
 
@@ -78,10 +78,3 @@ def values_in(
     out = np.empty((order.shape[0], most), np.float32)
     kernel.spread(first, values[:, None], rows, order, out)
     return out
-
-
-def places_of(first: Offsets, points: Points, most: int) -> NDArray[np.float64]:
-    """(P,) in [0, 1]: of each point of strands the share of the ``most`` points that all get which are before it."""
-    found = np.empty(points.shape[0])
-    kernel.place(first, points, most, most - 1.0, found)
-    return found

@@ -16,15 +16,15 @@ from ...meshes.kernels.distance import distance_and_gradient
 
 
 @parallel
-def place(first, points, most, per, out):
-    """Write to out (P,) the rows that points of strands get where all have ``most``, over ``per``; of a strand that has
-    more of them, the shares of its length before them. First (S + 1,) int64 of points (P, 3)."""
+def place(first, points, most, out):
+    """Write to out (P,) the rows that points of strands get where all have ``most``. First (S + 1,) int64 of points
+    (P, 3)."""
     for s in prange(first.shape[0] - 1):
-        place_strand(points, first[s], first[s + 1], most, per, out)
+        place_strand(points, first[s], first[s + 1], most, out)
 
 
 @device
-def place_strand(points, begin, end, most, per, out):
+def place_strand(points, begin, end, most, out):
     """`place` of the strand of the points from ``begin`` to ``end``; one without length has its points by number."""
     last = end - begin - 1
     whole = length(points, begin, end - 1)
@@ -33,7 +33,7 @@ def place_strand(points, begin, end, most, per, out):
         if i > 0:
             along += distance(points, begin + i - 1, begin + i)
         share = along / whole if 0.0 < whole < np.inf else i / last
-        out[begin + i] = share if last >= most else (i + np.rint(share * (most - last - 1))) / per
+        out[begin + i] = i + np.rint(share * (most - last - 1))
 
 
 @parallel
