@@ -166,6 +166,19 @@ class Layout:
         return {}
 
 
+class PhotographLayout(Layout):
+    """One of what reconstructions from photographs read: square pictures, masks of hair and of the whole body,
+    orientations and their variances; `paths` has a place for each."""
+
+    square = True
+
+    def encode(self, labels: Labels) -> Sequence[Pieces]:
+        return (
+            png.encode(labels.image), mask_png(labels.hair), mask_png(labels.body), png.encode(angles(labels)),
+            npy(variances(labels)),
+        )  # fmt: skip
+
+
 def mask_png(mask: NDArray[np.bool_]) -> list[bytes]:
     """A mask as a PNG of one channel, 0 and 255."""
     return png.encode(np.where(mask, np.uint8(255), np.uint8(0)))

@@ -16,29 +16,20 @@ from collections.abc import Sequence
 
 from ...cameras import colmap
 from ...cameras.pinhole import Pinhole
-from ...output import png
-from ..layout import Cloud, Labels, Layout, Pieces, angles, mask_png, npy, variances
+from ..layout import Cloud, PhotographLayout, Pieces
 
 FOLDER = "sparse/0"
 
 
-class GaussianHaircut(Layout):
+class GaussianHaircut(PhotographLayout):
     """Pictures, masks, orientations and COLMAP's text files."""
 
     name = "gaussianhaircut"
-    square = True
     centred = True
     paths = (
         "images/{}.png", "masks/hair/{}.png", "masks/body/{}.png", "orientations/angles/{}.png",
         "orientations/vars/{}.npy",
     )  # fmt: skip
-
-    def encode(self, labels: Labels) -> Sequence[Pieces]:
-        """Picture, masks, angles and their variances."""
-        return (
-            png.encode(labels.image), mask_png(labels.hair), mask_png(labels.body), png.encode(angles(labels)),
-            npy(variances(labels)),
-        )  # fmt: skip
 
     def index(self, views: Sequence[Pinhole], cloud: Cloud) -> dict[str, Pieces]:
         """Cameras, poses and points."""

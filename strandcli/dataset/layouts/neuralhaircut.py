@@ -15,28 +15,19 @@ from collections.abc import Sequence
 
 from ...cameras import transforms
 from ...cameras.pinhole import Pinhole
-from ...output import png
-from ..layout import Cloud, Labels, Layout, Pieces, angles, mask_png, npy, variances
+from ..layout import Cloud, PhotographLayout, Pieces
 
 MARGIN = 1.1
 """By which NeuralHaircut's script divides the farthest point's distance: that comes to lie at 1.1."""
 
 
-class NeuralHaircut(Layout):
+class NeuralHaircut(PhotographLayout):
     """Pictures, masks, orientations and NeuS's cameras."""
 
     name = "neuralhaircut"
-    square = True
     paths = (
         "image/{}.png", "hair_mask/{}.png", "mask/{}.png", "orientation_maps/{}.png", "confidence_maps/{}.npy",
     )  # fmt: skip
-
-    def encode(self, labels: Labels) -> Sequence[Pieces]:
-        """Picture, masks, angles and their variances."""
-        return (
-            png.encode(labels.image), mask_png(labels.hair), mask_png(labels.body), png.encode(angles(labels)),
-            npy(variances(labels)),
-        )  # fmt: skip
 
     def index(self, views: Sequence[Pinhole], cloud: Cloud) -> dict[str, Pieces]:
         """Cameras, and where the unit ball is."""
