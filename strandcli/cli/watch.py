@@ -7,8 +7,7 @@ import gc
 import sys
 import tempfile
 import time
-from collections.abc import Iterator, Mapping
-from contextlib import contextmanager
+from collections.abc import Collection, Mapping
 from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
@@ -51,16 +50,18 @@ def run(given: Mapping[str, Any]) -> None:
         require_own(path, lambda path: png.keyword(path, "Software") == "strandcli")
     prepare_folder(folder, 0)
     preview = Preview(given["preview"])
-    watcher = Watcher(given["preset"])
+    files: Collection[inputs.Input] | None = None
     runtime.start(given["threads"])
     if not given["quiet"]:
         say(f"{given['preset']}: drawn into {path} whenever it is saved; Ctrl-C ends", err=True)
     try:
         with tempfile.TemporaryDirectory(prefix="strandcli-watch-", ignore_cleanup_errors=True) as states:
             while True:
-                if watcher.changed():
+                if files is None or not all(map(inputs.is_current, files)):
                     gc.disable()  # to look at all that libraries hold takes a tenth of a second, and is done after
-                    _round(given, watcher, path, frame, preview, Path(states))
+                    with inputs.recording() as files:
+                        inputs.note(given["preset"])
+                        _round(given, path, frame, preview, Path(states))
                     gc.collect()
                     gc.freeze()
                     gc.enable()
@@ -71,13 +72,12 @@ def run(given: Mapping[str, Any]) -> None:
             raise
 
 
-def _round(given: Mapping[str, Any], watcher: Watcher, path: Path, frame: int, preview: Preview, states: Path) -> None:
+def _round(given: Mapping[str, Any], path: Path, frame: int, preview: Preview, states: Path) -> None:
     """Draw once; faults are shown in place, and the picture before stays."""
     start = time.perf_counter()
     quiet = given["quiet"]
     try:
-        with watcher.round():
-            image, compiling = _drawn(_scene(given), frame, given, states)
+        image, compiling = _drawn(_scene(given), frame, given, states)
         from ..output.files import write_pieces
         from ..output.png import encode
 
@@ -141,25 +141,3 @@ def _in_place(text: str) -> None:
     clear = "\x1b[H\x1b[2J" if sys.stderr.isatty() and not sys.stdout.isatty() else ""
     click.echo(clear, err=True, nl=False)
     say(text, err=True)
-
-
-class Watcher:
-    """Tells when a file that a preset was read and drawn from has another content."""
-
-    def __init__(self, preset: str) -> None:
-        self._preset = preset
-        self._files: tuple[inputs.Input, ...] | None = None
-
-    @contextmanager
-    def round(self) -> Iterator[None]:
-        """Follow the files that are opened meanwhile, however that ends."""
-        with inputs.recording() as found:
-            inputs.note(self._preset)
-            try:
-                yield
-            finally:
-                self._files = tuple(found)
-
-    def changed(self) -> bool:
-        """Whether any has another content than in the last round; true before the first."""
-        return self._files is None or not all(map(inputs.is_current, self._files))

@@ -14,6 +14,7 @@ import signal
 import stat
 import subprocess
 import sys
+from collections.abc import Collection
 from pathlib import Path
 from typing import Any
 
@@ -26,7 +27,7 @@ from PIL import Image
 from cli_runs import TINY, Runner, child, environment
 from strandcli import load
 from strandcli.cli import preview as shown
-from strandcli.cli.watch import Watcher, _drawn, _with_one_turn
+from strandcli.cli.watch import _drawn, _with_one_turn
 from strandcli.errors import RefusedError, UsageError
 from strandcli.files import inputs
 from strandcli.output import animation, png
@@ -223,33 +224,31 @@ def test_a_real_ffmpeg_makes_a_film_of_the_right_length(run: Runner) -> None:
 def test_a_file_that_a_preset_names_is_seen_where_it_goes_and_where_it_comes_back(tmp_path: Path) -> None:
     path, sky = tmp_path / "a.yaml", tmp_path / "sky.png"
     path.write_text(TINY + "environment: {image: sky.png}\n", encoding="utf-8")
-    watcher = Watcher(str(path))
+    found: Collection[inputs.Input] | None = None
     for step in (lambda: None, lambda: sky.write_bytes(b"sky"), sky.unlink, lambda: sky.write_bytes(b"sea")):
         step()
-        assert watcher.changed()
-        with watcher.round(), contextlib.suppress(UsageError):
+        assert found is None or not all(map(inputs.is_current, found))
+        with inputs.recording() as found, contextlib.suppress(UsageError):
             load(str(path))
             inputs.note(sky)  # as drawing does
-        assert not watcher.changed()
+        assert all(map(inputs.is_current, found))
 
 
 def test_a_preset_that_becomes_a_pipe_or_a_device_is_seen_and_not_opened(tmp_path: Path) -> None:
     path = tmp_path / "a.yaml"
     path.write_text(TINY, encoding="utf-8")
-    watcher = Watcher(str(path))
-    assert watcher.changed()
-    with watcher.round():
-        pass
+    with inputs.recording() as found:
+        inputs.note(path)
     steps = (path.unlink, lambda: os.mkfifo(path), lambda: None, path.unlink, lambda: path.symlink_to("/dev/zero"))
     signal.alarm(20)  # to open either never ends
     try:
         for step, seen in zip(steps, (True, True, False, True, True), strict=True):
             step()
-            assert watcher.changed() == seen
-            with watcher.round():
-                pass
+            assert all(map(inputs.is_current, found)) != seen
+            with inputs.recording() as found:
+                inputs.note(path)
     finally:
         signal.alarm(0)
     path.unlink()
     path.write_text(TINY, encoding="utf-8")
-    assert watcher.changed()
+    assert not all(map(inputs.is_current, found))
