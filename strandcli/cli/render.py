@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import functools
 from collections.abc import Callable, Iterator, Mapping
-from contextlib import nullcontext
+from contextlib import suppress
 from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
@@ -95,8 +95,10 @@ def command(
     from ..plan import checked_plan
 
     plan = checked_plan(scene, numbers, check=memory_check)
-    from ..html_report.run import HtmlPage
+    from ..html_report import page, run
+    from ..output.files import require_own
     from ..output.report import RunReport  # NumPy, once memory suffices
+    from ..scene import dump
 
     positions = open_cache(from_cache, numbers, scene, keep_going)
     folder = output or options.default_folder(preset)
@@ -104,25 +106,26 @@ def command(
     label = options.preset_name(preset)
     report = RunReport(label, scene.sha256, plan, writer.scene)
     report.picture_error = picture_error
-    page = None if no_html else HtmlPage(writer.directory, scene, overwrite)
-    shown = Preview(preview)
+    if not (no_html or overwrite):
+        require_own(writer.directory / run.FILE, page.is_report)
     settings = {"threads": threads, "positions": positions, "keep_going": keep_going}
-    with page or nullcontext(), talk.progress(len(writer.wanted), label) as progress:
-        data = _run(scene, writer, report, (checkpoint, dask), settings, talk.quiet, progress, shown)
+    with talk.progress(len(writer.wanted), label) as progress:
+        by = checkpoint, dask, not no_html
+        data = _run(scene, writer, report, by, settings, talk.quiet, progress, Preview(preview))
     made = render_options.animate(writer, data, animate or (), overwrite or resume, scene.time.fps, ground, talk)
-    if page is not None:
-        page.write(data, made)
+    if not no_html:
+        run.write(writer.directory, data, dump(scene), made)
     talk.data(data)
     if not talk.quiet:
         tell(data, writer, made)
 
 
 def _run(
-    scene: Scene, writer: FrameWriter, report: RunReport, by: tuple[int | None, str | None], settings: dict[str, Any],
-    quiet: bool, progress: Progress, shown: Preview,
+    scene: Scene, writer: FrameWriter, report: RunReport, by: tuple[int | None, str | None, bool],
+    settings: dict[str, Any], quiet: bool, progress: Progress, shown: Preview,
 ) -> dict[str, Any]:  # fmt: skip
-    """Draw what is wanted, and write the report however that ends; ``by``: frames between two checkpoints, and the Dask
-    cluster that draws; ``settings``: of `run.pipeline.render`."""
+    """Draw what is wanted, and write the report however that ends; ``by``: frames between two checkpoints, the Dask
+    cluster that draws, and whether a run that fails has its page, too; ``settings``: of `run.pipeline.render`."""
     from ..compiling import runtime
     from ..compiling.service import service
     from ..run import checkpoints
@@ -164,6 +167,12 @@ def _run(
     finally:
         compiled = runtime.compile_seconds() - before if started else None
         data = _report(report, writer, status, runtime.machine() if started else None, compiled)
+        if by[2] and data and status != "complete":
+            from ..html_report.run import write
+            from ..scene import dump
+
+            with suppress(StrandError, OSError):  # what ended the run says more than what might go wrong here
+                write(writer.directory, data, dump(scene))
     return data
 
 

@@ -5,19 +5,17 @@ from __future__ import annotations
 import datetime
 import urllib.parse
 from collections.abc import Iterator, Mapping, Sequence
-from contextlib import suppress
 from pathlib import Path
 from statistics import median
-from typing import TYPE_CHECKING, Any, Self
+from typing import TYPE_CHECKING, Any
 
 from .. import __version__
 from ..common.counted import counted
-from ..errors import StrandError
-from ..output.files import megabytes, require_own, write_pieces
+from ..output.files import megabytes, write_pieces
 from . import page, pictures
 
 if TYPE_CHECKING:
-    from ..scene.model import Scene
+    pass
 
 FILE = "report.html"
 SHEET = 12
@@ -185,35 +183,6 @@ def _preset(data: Json, preset: str) -> str:
     whole = preset[:PRESET_CHARACTERS] + ("\n..." if len(preset) > PRESET_CHARACTERS else "")
     shown = page.folded("every setting, as it was drawn", f"<pre>{page.lines(whole)}</pre>") if preset else ""
     return page.table(rows) + shown
-
-
-class HtmlPage:
-    """The page of one run of a scene into a folder; a block of it that fails writes the page, too."""
-
-    def __init__(self, directory: Path, scene: Scene, overwrite: bool) -> None:
-        """Raises ``UsageError`` where a file of somebody else's is in its place, unless that may be replaced."""
-        self._directory, self._scene = directory, scene
-        if not overwrite:
-            require_own(directory / FILE, page.is_report)
-
-    def write(self, data: Json, made: Sequence[Path] = ()) -> None:
-        """Write it from the report's ``data``, with the animations that were ``made``."""
-        from ..scene import dump
-
-        write(self._directory, data, dump(self._scene), made)
-
-    def __enter__(self) -> Self:
-        return self
-
-    def __exit__(self, kind: type[BaseException] | None, *_: object) -> None:
-        """Write it after a failure from report.json, which a run that has failed leaves too; what ended the run says
-        more than what might go wrong here."""
-        from ..output.report import read_report
-
-        with suppress(StrandError, OSError):
-            data = None if kind is None else read_report(self._directory)
-            if data is not None and data.keys() >= {"preset", "status", "strandcli"}:
-                self.write(data)
 
 
 def write_sweep(
