@@ -38,8 +38,6 @@ SORTING, RODS, CHILDREN, MESHES = 10_000_000, 8_000_000, 5_000_000, 25_000_000
 """Of the further kernels, and of what reads meshes, where a scene has them."""
 
 
-KEPT = 0.85
-"""Of vertices, those that opacity maps have where they leave some out, about (`draw.shadows.strands_in_map`)."""
 MOMENTS = 4
 """Of a file that moves, what is in memory beside the first moment."""
 PARTS, PART = 4, 48
@@ -177,7 +175,7 @@ def _projected_bytes(plan: Plan, scene: Scene) -> float:
     for light in scene.lights:
         if casts_map(light, needs_counts(scene)):
             share = share_in_maps(scene, plan.sizes, side_of(scene, plan.sizes, light))
-            deep = max(28 * share, KEPT * (16 + 28 * share)) + parts
+            deep = 28 * share + parts
             found = max(found, deep if counts_strands(light) else 12 * share)
     return found
 

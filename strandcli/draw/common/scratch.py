@@ -13,9 +13,8 @@ from numpy.typing import DTypeLike, NDArray
 POSITIONS = ("children", "combed", "followers", "pieces", "chosen_rows")
 """Names of arrays that are needed until there are polylines,"""
 IN_LIGHT = (
-    "light_screen", "map_vertices", "map_parts", "map_order", "map_places", "map_costs", "map_simple_stays",
-    "map_simple_world", "map_simple_along", "map_coarse_world", "sketch", "sketch_nearest", "sketch_deep",
-    "spread_extents", "rows_of_cells",
+    "light_screen", "map_vertices", "map_parts", "map_order", "map_places", "map_costs", "map_coarse_world", "sketch",
+    "sketch_nearest", "sketch_deep", "spread_extents", "rows_of_cells",
 )  # fmt: skip
 """until shadow maps are drawn,"""
 IN_PICTURE = ("world", "along", "lost", "screen", "widths", "slots", "colours")

@@ -27,7 +27,7 @@ from .kernels import minmax as kernel
 from .kernels.map_parts import PartsInMap
 from .kernels.strand_shadows import ShadowArrays
 from .shadow_model import casts_map, model_of
-from .strands_in_map import NO_EXTENTS, coarse, parts_in_map, simplified, view_numbers
+from .strands_in_map import NO_EXTENTS, coarse, parts_in_map, view_numbers
 
 TEXEL = 1.5
 """Side of an opacity map's texel, in strand spacings."""
@@ -93,12 +93,11 @@ class ShadowMaps:
 
     def build(self, lines: Polylines, workers: int, scratch: Scratch) -> None:
         """Draw polylines that contain every strand, one map after the other."""
-        simple = self.simplified(lines, scratch)
         for number, layers in enumerate(self.layers):
             if not layers:
                 self._fill(number, lines, workers, scratch)
                 continue
-            parts = self.parts(number, simple, workers, scratch, self.extents[number])
+            parts = self.parts(number, lines, workers, scratch, self.extents[number])
             self._divide(number, scratch)
             self._draw(number, parts)
             scratch.release(f"map_heads_{number}")
@@ -107,12 +106,11 @@ class ShadowMaps:
     def add(self, lines: Polylines, workers: int, scratch: Scratch, again: bool = False) -> None:
         """Draw a portion of the polylines into every map; ``again``: into the layers of opacity maps, once `divide` has
         made these."""
-        simple = self.simplified(lines, scratch)
         for number, layers in enumerate(self.layers):
             if again and layers:
-                self._draw(number, self.parts(number, simple, workers, scratch))
+                self._draw(number, self.parts(number, lines, workers, scratch))
             elif layers:
-                self.parts(number, simple, workers, scratch, self.extents[number])
+                self.parts(number, lines, workers, scratch, self.extents[number])
             elif not again:
                 self._fill(number, lines, workers, scratch)
 
@@ -159,16 +157,11 @@ class ShadowMaps:
             return None
         return self.stacks[self.starts[number] :][: self._lengths[place]]
 
-    def simplified(self, lines: Polylines, scratch: Scratch) -> Polylines:
-        """Return polylines as opacity maps draw them, valid until the next are requested."""
-        views = [view for view, layers in zip(self.views, self.layers, strict=True) if layers]
-        return simplified(lines, views, scratch)
-
     def parts(
         self, number: int, lines: Polylines, workers: int, scratch: Scratch, extents: NDArray[np.float32] = NO_EXTENTS
     ) -> PartsInMap:
-        """Return what polylines from `simplified` draw into an opacity map, valid until the next are requested; widen
-        its extents if they are given."""
+        """Return what polylines draw into an opacity map, valid until the next are requested; widen its extents if they
+        are given."""
         view, size = self.views[number], int(self.sizes[number])
         return parts_in_map(
             lines, self.thickness, view, size, workers, scratch, self.over, self.chances, extents

@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-from collections.abc import Sequence
 from dataclasses import replace
 
 import numpy as np
@@ -14,14 +13,14 @@ from ..geometry.curves import Polylines
 from ..geometry.extent import Thickness
 from ..view.camera import View
 from ..zbuffer.raster import to_screen
-from .kernels import deep_strands, map_parts, opacity_maps, part_vertices, simplify
+from .kernels import deep_strands, map_parts, opacity_maps, part_vertices
 from .kernels.deep_strands import CELL, LEVELS, NO_SKETCH, WEIGHTS, Sketch
 from .kernels.map_parts import BITS, PART, PARTS, MapView, PartsInMap, StrandsInMap
 from .kernels.splats import SEGMENTS
 
 NO_EXTENTS = np.zeros((0, 2), np.float32)
 FEWEST = 4000
-"""Strands from which on those deep in shadow are left out in part, and vertices at which they hardly bend."""
+"""Strands from which on those deep in shadow are left out in part."""
 SKETCHED = 3000
 """Strands of a sketch, about, and at most a quarter of all."""
 WORTH = 0.15
@@ -29,36 +28,6 @@ WORTH = 0.15
 MIXERS = ((16, 0x7FEB352D), (15, 0x846CA68B))
 """Of an integer hash (Wellons 2018, `lowbias32`). Multiples of the golden ratio do not do: roots of strands beside each
 other differ by such numbers that their multiples are alike."""
-
-
-BENT = 0.1
-"""Texels that a line on an opacity map may be beside the vertices that it passes."""
-LONGEST = 16.0
-"""Texels that such a line may be long."""
-UNEVEN = np.float32(0.03)
-"""Share of a strand's width by which such a line may be wider or narrower than the strand."""
-EVEN = np.zeros(0, np.float32)
-"""Widths that do not count."""
-
-
-def simplified(lines: Polylines, views: Sequence[View], scratch: Scratch) -> Polylines:
-    """Return polylines as the opacity maps with these views can tell them apart: many of them without the vertices at
-    which they hardly bend. They are valid until the next are requested. What stays of a strand depends on no other."""
-    count = len(lines.world)
-    if len(lines.first) <= FEWEST or not count or not views or any(coarseness(lines, view) > 1 for view in views):
-        return lines
-    texel = min((view.near if view.perspective else 1.0) / view.focal for view in views)
-    bent, longest = np.float32((BENT * texel) ** 2), np.float32((LONGEST * texel) ** 2)
-    stays = scratch.borrow("map_simple_stays", count, np.uint8)
-    first = np.zeros(len(lines.first), np.int64)
-    widths = EVEN if lines.lost is None else lines.lost
-    simplify.find(lines.first, lines.world, widths, bent, longest, UNEVEN, stays, first[1:])
-    np.cumsum(first, out=first)
-    world = scratch.borrow("map_simple_world", (int(first[-1]), 3), np.float32)
-    along = scratch.borrow("map_simple_along", int(first[-1]), np.float32)
-    simplify.write(lines.first, lines.world, lines.tapered(0.0)[1], stays, first, world, along)
-    lost = None if lines.lost is None else along  # a map takes `along` for widths alone
-    return replace(lines, first=first, world=world, along=along, lost=lost, per=0)
 
 
 def parts_in_map(
