@@ -117,7 +117,7 @@ def write_strands(waves, solids, solid, paths, size, scratch, out, b, k):
             if left != 0:
                 for lane in range(k, k + lane_count(x)):
                     if (left >> (lane - k)) & 1:
-                        scratch[REACH * W + lane] = keep_lane_out(out, b, j, lane, scratch[REST * W + lane], solids)
+                        keep_lane_out(out, b, j, lane, scratch[REST * W + lane], solids)
                 px, py, pz = load3(x, top + j * 3 * W, W)
         bx, by, bz = hx, hy, hz
         hx, hy, hz = nx, ny, nz

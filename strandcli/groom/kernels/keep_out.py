@@ -11,7 +11,7 @@ from ...constants import W
 from ...jit import device
 from ...jit.pruned import by_type
 from ...simd import any_lane, broadcast, movemask, sqrt, where
-from ...solids.kernels import built_in, custom
+from ...solids.kernels import custom
 from ...solids.kernels.built_in import may_be_there
 from ...solids.kernels.outside import deepest_in_shapes, outside
 
@@ -45,8 +45,6 @@ def reach_on(solids, x, y, z, rest):
 @custom.by_form(lambda solids, x, y, z, rest, reach: reach)
 def reach_past_custom(form):
     """The same, of custom solids, where it is ``reach`` without them."""
-    if form.distances_in_own is None:
-        return lambda solids, x, y, z, rest, reach: rest - rest
     return lambda solids, x, y, z, rest, reach: min(
         reach, max(-SURE * (custom.deepen(solids, x, y, z, broadcast(x, -FAR)) + CLEAR * rest), ZERO)
     )
@@ -103,15 +101,10 @@ def slide_out(solids, p, o, rest, reach):
 
 @device
 def keep_lane_out(rows, b, j, lane, rest, solids):
-    """Move particle j of a lane of block b of rows (blocks, m + 1, 3 W) out of solids, as `keep_out`. Return how far
-    the strand may go on from there before any solid can be met, metres; 0 if that is not known."""
+    """Move particle j of a lane of block b of rows (blocks, m + 1, 3 W) out of solids, as `keep_out`."""
     x = rows[b, j, lane]
     y = rows[b, j, W + lane]
     z = rows[b, j, 2 * W + lane]
-    if built_in.count(solids) == 0 and not custom.takes_vectors(solids):
-        reach = SURE * (custom.least_distance(solids, x, y, z) - CLEAR * rest)
-        if reach > ZERO:
-            return reach
     ox = rows[b, j - 1, lane]
     oy = rows[b, j - 1, W + lane]
     oz = rows[b, j - 1, 2 * W + lane]
@@ -119,7 +112,6 @@ def keep_lane_out(rows, b, j, lane, rest, solids):
     rows[b, j, lane] = x
     rows[b, j, W + lane] = y
     rows[b, j, 2 * W + lane] = z
-    return ZERO
 
 
 @device

@@ -9,6 +9,7 @@ from typing import Any, NamedTuple
 import numpy as np
 
 from ...jit import device, inlined
+from ...simd import lane, lane_count, pointer, with_lane
 from .. import Solids
 from ..custom import KIND, NUMBERS, REACH
 from . import distance_field as field
@@ -82,7 +83,8 @@ def functions_of(kinds: Sequence[Kind], fields: Sequence[Sequence[str]]) -> dict
         "distance_in_own": of("distance", _distance, None), "bounds": of("bounds", _bounds, _around),
         "normal": of("normal", _normal, _gradient), "meet": of("meet", _meet, field.march),
         "hides": of("hides", _hides, field.hides_by_distance), "deepest": chosen([_deepest(one) for one in kinds]),
-        "distances_in_own": if_all("distances", _in_own, inlined), "slopes_in_own": if_all("slopes", _in_own, inlined),
+        "distances_in_own": chosen([_distances(one, these) for one, these in zip(kinds, given, strict=True)]),
+        "slopes_in_own": if_all("slopes", _in_own, inlined),
         "meets": if_all("meets", _meets), "look": if_any("look", _look, _plain),
         "drift": if_any("drift", _drift, _still),
     }  # fmt: skip
@@ -114,6 +116,20 @@ def _given(kind: Kind, fields: Sequence[str]) -> Any:
 
 def _distance(distance: Any, given: Any) -> Any:
     return lambda p, m, u, v, w: rounded(p, distance(u, v, w, *given(p, m)))
+
+
+def _distances(kind: Kind, given: Any) -> Any:
+    """Distances of vectors of points: of a shape without any, lane by lane."""
+    if "distances" in kind.parts:
+        return _in_own(inlined(kind.parts["distances"]), given)
+    one = device(_distance(device(kind.parts["distance"]), given))
+
+    def found(p, m, u, v, w):
+        for k in range(lane_count(pointer(p.rows))):
+            u = with_lane(u, k, one(p, m, lane(u, k), lane(v, k), lane(w, k)))
+        return u
+
+    return found
 
 
 def _in_own(function: Any, given: Any) -> Any:

@@ -56,17 +56,6 @@ def of_custom(function: Any, otherwise: Any, part: str = "distance_in_own", inli
     return make
 
 
-def one_by_one(function: Any, otherwise: Any) -> Any:
-    """As `of_custom`, of a function that is called only where not `takes_vectors`; ``otherwise`` elsewhere."""
-
-    @by_form(otherwise)
-    def make(form: Any) -> Any:
-        among = form.among
-        return otherwise if form.distances_in_own else lambda solids, *given: function(among(solids), *given)
-
-    return make
-
-
 def _has(part):
     """A function that tells whether the shapes of `Solids` have a part."""
     return by_form(lambda solids: False, part)(lambda form: lambda solids: True)
@@ -74,8 +63,6 @@ def _has(part):
 
 has_look = _has("look")
 """Whether any of the shapes of these has a look of its own."""
-takes_vectors = _has("distances_in_own")
-"""Whether `walk` can be called: all of these have distances of vectors."""
 
 
 def may_fold(solids):
@@ -170,12 +157,9 @@ def folds(form):
 
 
 VISIBLE = lambda solids, x, y, z, lx, ly, lz, reach, skin: ONE  # noqa: E731
-visibility, visibility_alone = (
-    of_custom(field.visibility_past_all, VISIBLE),
-    one_by_one(field.visibility_past_all, VISIBLE),
-)
+visibility = of_custom(field.visibility_past_all, VISIBLE)
 """1 if none of these solids is between a point, moved by `skin` along the unit vector l, and a light at the distance
-`reach`, metres; else 0. The second is 1, too, where they take vectors."""
+`reach`, metres; else 0."""
 
 
 def parts_of(form):
@@ -183,32 +167,14 @@ def parts_of(form):
     return soft_edge.FINE_ACROSS if form.detailed else soft_edge.ACROSS
 
 
-@by_form(lambda solids, x, y, z, direction, light: soft_edge.CLEAR)
-def lowest_sine(form):
-    """`soft_edge.least_sine` of all of these; `CLEAR` where they take vectors."""
-    among, parts = form.among, parts_of(form)
-    if form.distances_in_own:
-        return lambda solids, x, y, z, direction, light: soft_edge.CLEAR
-    return lambda solids, x, y, z, direction, light: soft_edge.least_sine_of_all(
-        parts, among(solids), x, y, z, direction, light
-    )
-
-
-least_distance = one_by_one(field.least_distance_of_all, lambda solids, x, y, z: INF)
-"""A distance, metres, that no surface of these is nearer than; negative inside of one."""
 outside = of_custom(field.put_outside_all, lambda solids, x, y, z, clear: (x, y, z))
 """A point, moved to `clear` metres off the surfaces of these."""
 deepest = of_custom(segment_depth.deepest_of_block, lambda solids, positions, b: (ZERO, ZERO))
 """Greatest depth of a block's particles in these and of its segments, metres."""
 
 
-@by_form(lambda solids, x, y, z, most: most)
-def deepen(form):
-    """The greatest of depths and of those of points in these, metres; vectors of lanes."""
-    among, deepen = form.among, segment_depth.deepen_vectors if form.distances_in_own else segment_depth.deepen_lanes
-    return lambda solids, x, y, z, most: deepen(among(solids), x, y, z, most)
-
-
+deepen = of_custom(segment_depth.deepen, lambda solids, x, y, z, most: most)
+"""The greatest of depths and of those of points in these, metres; vectors of lanes."""
 nearest_slope = of_custom(
     segment_depth.nearest_slope_of_all, lambda solids, x, y, z: (x, x, x, x), "slopes_in_own", inline=True
 )
@@ -218,26 +184,19 @@ nearest_slope = of_custom(
 @by_form(
     lambda solids, m, point, direction, light: (
         (point[0], point[1], point[2], direction[0], direction[1], direction[2]), light[0], light[0]
-    ), "distances_in_own", inline=True,
+    ), inline=True,
 )  # fmt: skip
 def begin_walk(form):
-    """`soft_edge.begin` of number m of these; nothing to walk where they have no distances of vectors."""
+    """`soft_edge.begin` of number m of these; nothing to walk where there are none."""
     among, parts = form.among, parts_of(form)
     return lambda solids, m, point, direction, light: soft_edge.begin(parts, among(solids), m, point, direction, light)
 
 
-@by_form(lambda solids, m, some, rest, most: (some[1], some[3], rest[1], rest[3]), "distances_in_own")
+@by_form(lambda solids, m, some, rest: (some[3], rest[3]))
 def walk(form):
     """`soft_edge.walk` of number m of these."""
     among, parts = form.among, parts_of(form)
-    return lambda solids, m, some, rest, most: soft_edge.walk(parts, among(solids), m, some, rest, most)
-
-
-@by_form(lambda solids, m, ray, most: (ray[1], ray[3]), "distances_in_own")
-def walk_alone(form):
-    """`soft_edge.walk_alone` of number m of these."""
-    among, parts = form.among, parts_of(form)
-    return lambda solids, m, ray, most: soft_edge.walk_alone(parts, among(solids), m, ray, most)
+    return lambda solids, m, some, rest: soft_edge.walk(parts, among(solids), m, some, rest)
 
 
 @function

@@ -31,8 +31,6 @@ FINE = np.float32(1e-3)
 """Half the distance over which a gradient is measured, as a share of the reach."""
 ROUNDS = 4
 """Steps of a point or a segment on its way out, at the most: one is enough for an exact distance or a flat face."""
-FAR = np.float32(4.0)
-"""Square of the distance from a solid's origin, in its reaches, from which on it counts as a ball."""
 OUT = np.float32(1e-6)
 """Depth, as a share of a solid's reach, from which on a point is not moved any more: ten times the rounding."""
 
@@ -249,23 +247,6 @@ def put_outside_all(p, x, y, z, clear):
     for m in range(p.rows.shape[0]):
         x, y, z = put_outside(p, m, x, y, z, clear)
     return x, y, z
-
-
-@device
-def least_distance_of_all(p, x, y, z):
-    """A distance, metres, that no surface of these solids is nearer than; negative inside of one."""
-    least = INF
-    for m in range(p.rows.shape[0]):
-        dx = x - number(p, m, X)
-        dy = y - number(p, m, Y)
-        dz = z - number(p, m, Z)
-        reach = number(p, m, REACH)
-        square = dx * dx + dy * dy + dz * dz
-        if square < FAR * reach * reach:
-            least = min(least, np.float32(distance(p, m, x, y, z)))
-        else:
-            least = min(least, np.float32(math.sqrt(square) - reach))
-    return least
 
 
 @device

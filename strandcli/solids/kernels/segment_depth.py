@@ -9,7 +9,7 @@ import numpy as np
 
 from ...constants import W
 from ...jit import device, inlined
-from ...simd import any_lane, lane, lane_count, pointer, sqrt, where, with_lane
+from ...simd import any_lane, sqrt, where
 from ..custom import REACH, X, Y, Z
 from .distance_field import (
     INF,
@@ -152,23 +152,9 @@ def deepest_of_block(p, positions, b):
 
 
 @inlined
-def deepen_lanes(p, x, y, z, most):
+def deepen(p, x, y, z, most):
     """Return the greatest of the depths ``most`` and of those of points in these solids; vectors of lanes. Outside of a
     solid's bounding ball the depth is that in the ball."""
-    for m in range(p.rows.shape[0]):
-        for k in range(lane_count(pointer(p.rows))):
-            a, b, c = lane(x, k), lane(y, k), lane(z, k)
-            dx, dy, dz = a - p.rows[m, X], b - p.rows[m, Y], c - p.rows[m, Z]
-            under = p.rows[m, REACH] - np.float32(math.sqrt(dx * dx + dy * dy + dz * dz))
-            if under > ZERO:
-                under = -distance(p, m, a, b, c)
-            most = with_lane(most, k, max(lane(most, k), under))
-    return most
-
-
-@inlined
-def deepen_vectors(p, x, y, z, most):
-    """The same to the bit, where these solids have distances of vectors."""
     for m in range(p.rows.shape[0]):
         dx, dy, dz = x - p.rows[m, X], y - p.rows[m, Y], z - p.rows[m, Z]
         under = p.rows[m, REACH] - sqrt(dx * dx + dy * dy + dz * dz)

@@ -16,7 +16,6 @@ from .distance_field import (
     ONE,
     ZERO,
     bounds,
-    distance_in_own,
     distances_in_own,
     number,
     own,
@@ -31,45 +30,6 @@ CLEAR = np.float32(2.0)
 """More than any sine."""
 SLOW = np.float32(1e-3)
 """How fast, metres a metre, a cone must leave a face at the least: slower, rounding would tell where."""
-
-
-@inlined
-def least_sine(parts, p, m, x, y, z, direction, light):
-    """Sine of the least angle between a unit vector and the edge of solid m, less `skin`, as seen from a point: the
-    least of its distance over the distance travelled.
-
-    light: the distance to the light, the sine of its angular radius, and `skin`. Steps are half the distance from the
-    solid, or as far as the cone about the light is certainly free of it, and at least a share 1 / ``parts`` of the path
-    through the solid's ball. What is below minus the radius is some such sine, and what is above it, too: all of the
-    light is hidden, or none."""
-    lx, ly, lz = direction
-    reach, radius, skin = light
-    cx = number(p, m, X) - x
-    cy = number(p, m, Y) - y
-    cz = number(p, m, Z) - z
-    middle = cx * lx + cy * ly + cz * lz
-    end = min(middle + number(p, m, REACH), reach)
-    step = step_of(p, m, parts)
-    t = max(middle - number(p, m, REACH), HALF * step)
-    least = CLEAR
-    per = ONE / (ONE + radius)
-    u, v, w = own(p, m, x, y, z)
-    du, dv, dw = own_direction(p, m, lx, ly, lz)
-    while t < end and least > -radius:
-        away = distance_in_own(p, m, u + t * du, v + t * dv, w + t * dw) + skin
-        least = min(least, away / t)
-        t += max(max(abs(away) * HALF, step), (away - radius * t) * per)
-    return least
-
-
-@inlined
-def least_sine_of_all(parts, p, x, y, z, direction, light):
-    """`least_sine` of all of these solids, until one hides all of the light."""
-    least = CLEAR
-    for m in range(p.rows.shape[0]):
-        if least > -light[1]:
-            least = min(least, least_sine(parts, p, m, x, y, z, direction, light))
-    return least
 
 
 @inlined
@@ -107,40 +67,29 @@ def begin(parts, p, m, point, direction, light):
 
 
 @inlined
-def walk(parts, p, m, some, rest, most):
-    """`least_sine` of two vectors of rays at once, as each step waits for the one before, in so many steps at the most:
-    where they have come to, and the least angles. Of each: `begin`'s first three; the least angle so far, below minus
-    the radius of which there is nothing to look for; and the light."""
+def walk(parts, p, m, some, rest):
+    """Return the sines of the least angles between rays and the edge of solid m, less `skin`: the least of its distance
+    over the distance travelled. What is below minus the light's radius is some such sine, and what is above it, too:
+    all of the light is hidden, or none.
+
+    Two vectors of rays go at once, as each step waits for the one before. Of each: `begin`'s first three; the least
+    sine so far, below minus the radius of which there is nothing to look for; and the light: its distance, the sine of
+    its angular radius, and `skin`. Steps are half the distance from the solid, or as far as the cone about the light is
+    certainly free of it, and at least a share 1 / ``parts`` of the path through the solid's ball."""
     one, s, s_end, s_least, s_light = some
     two, t, t_end, t_least, t_light = rest
     step = step_of(p, m, parts)
-    for _ in range(most):
+    while True:
         s_on = (s < s_end) & (s_least > -s_light[1])
         t_on = (t < t_end) & (t_least > -t_light[1])
         if not any_lane(s_on | t_on):
-            break
+            return s_least, t_least
         s_away = away_at(p, m, one, s) + s_light[2]
         t_away = away_at(p, m, two, t) + t_light[2]
         s_least = where(s_on, min(s_least, s_away / s), s_least)
         t_least = where(t_on, min(t_least, t_away / t), t_least)
         s = where(s_on, s + pace(s_away, s, step, s_light[1]), s)
         t = where(t_on, t + pace(t_away, t, step, t_light[1]), t)
-    return s, s_least, t, t_least
-
-
-@inlined
-def walk_alone(parts, p, m, ray, most):
-    """`walk` of one vector of rays."""
-    along, t, end, least, light = ray
-    step = step_of(p, m, parts)
-    for _ in range(most):
-        on = (t < end) & (least > -light[1])
-        if not any_lane(on):
-            break
-        away = away_at(p, m, along, t) + light[2]
-        least = where(on, min(least, away / t), least)
-        t = where(on, t + pace(away, t, step, light[1]), t)
-    return t, least
 
 
 @inlined
@@ -152,7 +101,7 @@ def away_at(p, m, along, t):
 
 @inlined
 def pace(away, t, step, radius):
-    """How far rays go on from a place where the solid is so far away, as in `least_sine`."""
+    """How far rays go on from a place where the solid is so far away, as in `walk`."""
     return max(max(abs(away) * HALF, step), (away - radius * t) * (ONE / (radius + ONE)))
 
 

@@ -64,10 +64,6 @@ layout = RowAllocator(
 # Of each point: sine of the light's angular radius, sine of the least angle between the light's centre and a solid's
 # silhouette, and whether the current solid can shade it.
 RADIUS, LEAST, ASKED = layout.allocate(3, strands="soft", surfaces="soft")
-# Of each listed point: its number, and as above its position, the light's direction and distance, and how far along a
-# ray a search has come.
-LIST, WX, WY, WZ, DX, DY, DZ, END = layout.allocate(8, strands="soft", surfaces="soft")
-HIGH, NEAR, FAR, AT_NEAR = layout.allocate(4, strands="soft", surfaces="soft")
 
 CHANNELS = 24
 """Channels of a node of the dual scattering tables (`strandcli.draw.fibre.kernels.dual`)."""

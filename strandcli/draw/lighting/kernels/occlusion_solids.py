@@ -67,11 +67,7 @@ def hide(cells, counts, sides, box, directions, listed, solids, i):
                 if listed.every[at] == DARK:
                     continue
                 lx, ly, lz = directions[d, 0], directions[d, 1], directions[d, 2]
-                seen = rays.visibility_past_built_in(solids, x, y, z, lx, ly, lz, FAR, skin)
-                if seen > ZERO:
-                    ox, oy, oz = x + skin * lx, y + skin * ly, z + skin * lz
-                    seen = custom.visibility_alone(solids, ox, oy, oz, lx, ly, lz, FAR, skin)
-                if seen == ZERO:
+                if rays.visibility_past_built_in(solids, x, y, z, lx, ly, lz, FAR, skin) == ZERO:
                     listed.every[at] = DARK
             places[found, 0], places[found, 1], places[found, 2] = x, y, z
             places[found, 3] = np.float32(cell - i * counts[1] * counts[2])
@@ -79,9 +75,9 @@ def hide(cells, counts, sides, box, directions, listed, solids, i):
     list_rays(solids, directions, listed, found, i * counts[1] * counts[2], total, skin)
 
 
-@custom.by_form(lambda solids, directions, listed, found, slab, total, skin: None, "distances_in_own")
+@custom.by_form(lambda solids, directions, listed, found, slab, total, skin: None)
 def list_rays(form):
-    """`list_all` where custom solids have distances of vectors."""
+    """`list_all` where there are custom solids."""
     return list_all
 
 

@@ -2,13 +2,11 @@
 
 from __future__ import annotations
 
-from typing import NamedTuple
-
 import numpy as np
 
 from ....constants import W
 from ....jit import device, function, inlined
-from ....simd import lane_count, load, load3, pointer, store, where
+from ....simd import lane_count, load, load3, pointer, store
 from ....solids.kernels import custom
 from ....solids.kernels import plane as plane_rays
 from ....solids.kernels import sphere as sphere_rays
@@ -78,16 +76,7 @@ def soft_shadows(work, n, lights, i, solids, skin):
         # without incoming light the point counts as fully occluded
         work[row.LEAST + k] = radius if work[row.ARRIVES + k] > ZERO else -radius
     past_built_in(solids, work, n, skin)
-    if custom.count(solids) > 0:
-        if custom.takes_vectors(solids):
-            by_distances(work, n, solids, skin, skin)
-        else:
-            for k in range(n):
-                if work[row.LEAST + k] > -work[row.RADIUS + k]:
-                    x, y, z = lifted(work, k, skin)
-                    light = work[row.REACH + k], work[row.RADIUS + k], skin
-                    least = custom.lowest_sine(solids, x, y, z, row.vector_at(work, row.LX, k), light)
-                    work[row.LEAST + k] = min(work[row.LEAST + k], least)
+    by_distances(work, n, solids, skin, skin)
     for k in range(n):
         work[row.ARRIVES + k] *= penumbra.share(work[row.LEAST + k], work[row.RADIUS + k])
 
@@ -165,99 +154,28 @@ def by_capsule(work, n, capsules, m, skin):
             work[row.LEAST + k] = min(work[row.LEAST + k], least)
 
 
-FEW, ALL = np.int64(6), np.int64(1 << 40)
-"""Steps that all rays take at the most, and listed ones."""
-
-
-class Rays(NamedTuple):
-    """Rows of rays: numbers of the first of three or of the only one."""
-
-    point: np.int64
-    direction: np.int64
-    """Unit vector to the light's centre."""
-    reach: np.int64
-    """Distance to it, metres."""
-    radius: np.int64
-    """Sine of the light's angular radius."""
-    least: np.int64
-    """Sine of the least angle to an edge so far."""
-    place: np.int64
-    """How far the ray has come, metres."""
-
-
-OWN = Rays(
-    np.int64(row.X),
-    np.int64(row.LX),
-    np.int64(row.REACH),
-    np.int64(row.RADIUS),
-    np.int64(row.LEAST),
-    np.int64(row.AT_NEAR),
-)
-LISTED = Rays(
-    np.int64(row.WX), np.int64(row.DX), np.int64(row.END), np.int64(row.NEAR), np.int64(row.HIGH), np.int64(row.FAR)
-)
-
-
 @device
 def by_distances(work, n, solids, lift, skin):
-    """Reduce the rows `LEAST` to the sines of the angles between lights and solids that have distances of vectors, as
-    seen from points moved by `lift` metres toward the lights. Rows of `batch`: positions, lights, `RADIUS`."""
-    for m in range(custom.count(solids)):
-        for k in range(n):
-            work[row.AT_NEAR + k] = ZERO
-        go(work, n, OWN, solids, m, (lift, skin), FEW)
-        count = np.int64(0)
-        for k in range(n):
-            work[row.LIST + count] = np.float32(k)
-            count += np.int64(work[row.ASKED + k])
-        if count > 0:
-            for j in range(count):
-                k = np.int64(work[row.LIST + j])
-                row.set_vector(work, row.WX, j, row.vector_at(work, row.X, k))
-                row.set_vector(work, row.DX, j, row.vector_at(work, row.LX, k))
-                work[row.END + j], work[row.NEAR + j] = work[row.REACH + k], work[row.RADIUS + k]
-                work[row.HIGH + j], work[row.FAR + j] = work[row.LEAST + k], work[row.AT_NEAR + k]
-            go(work, count, LISTED, solids, m, (lift, skin), ALL)
-            for j in range(count):
-                work[row.LEAST + np.int64(work[row.LIST + j])] = work[row.HIGH + j]
-
-
-@device
-def go(work, n, at, solids, m, lift_and_skin, most):
-    """Let n rays go on through solid number m, in so many steps at the most; `ASKED` is 1 where they are not done. at:
-    `Rays`; lift_and_skin: of `by_distances`."""
+    """Reduce the rows `LEAST` to the sines of the angles between lights and custom solids, as seen
+    from points moved by `lift` metres toward the lights. Rows of `batch`: positions, lights, `RADIUS`."""
     rows = pointer(work)
     lanes = lane_count(rows)
     for k in range(n, -(-n // (2 * lanes)) * 2 * lanes):  # nothing to look for
-        work[at.least + k] = ZERO
-        work[at.radius + k] = ZERO
-    for k in range(0, n, 2 * lanes):
-        some = begun(rows, k, at, solids, m, lift_and_skin)
-        if k + lanes >= n:
-            t, least = custom.walk_alone(solids, m, some, most)
-            keep(rows, k, at, t, least, some)
-            break
-        second = begun(rows, k + lanes, at, solids, m, lift_and_skin)
-        s, s_least, t, t_least = custom.walk(solids, m, some, second, most)
-        keep(rows, k, at, s, s_least, some)
-        keep(rows, k + lanes, at, t, t_least, second)
+        work[row.LEAST + k] = ZERO
+        work[row.RADIUS + k] = ZERO
+    for m in range(custom.count(solids)):
+        for k in range(0, n, 2 * lanes):
+            one, two = begun(rows, k, solids, m, lift, skin), begun(rows, k + lanes, solids, m, lift, skin)
+            least, second = custom.walk(solids, m, one, two)
+            store(rows, row.LEAST + k, least)
+            store(rows, row.LEAST + k + lanes, second)
 
 
 @inlined
-def begun(rows, k, at, solids, m, lift_and_skin):
-    """Return what `custom.walk` takes of a vector of rays."""
-    lift, skin = lift_and_skin
-    lx, ly, lz = direction = load3(rows, at.direction + k, W)
-    x, y, z = load3(rows, at.point + k, W)
-    light = load(rows, at.reach + k), load(rows, at.radius + k), skin
+def begun(rows, k, solids, m, lift, skin):
+    """Return what `custom.walk` takes of the vector of rays from number k on."""
+    lx, ly, lz = direction = load3(rows, row.LX + k, W)
+    x, y, z = load3(rows, row.X + k, W)
+    light = load(rows, row.REACH + k), load(rows, row.RADIUS + k), skin
     along, t, end = custom.begin_walk(solids, m, (x + lx * lift, y + ly * lift, z + lz * lift), direction, light)
-    return along, max(t, load(rows, at.place + k)), end, load(rows, at.least + k), light
-
-
-@inlined
-def keep(rows, k, at, t, least, ray):
-    """Store where a vector of rays has come to, and whether there is more to look for."""
-    _, _, end, _, light = ray
-    store(rows, at.least + k, least)
-    store(rows, at.place + k, t)
-    store(rows, row.ASKED + k, where((t < end) & (least > -light[1]), ONE, ZERO * t))
+    return along, t, end, load(rows, row.LEAST + k), light
