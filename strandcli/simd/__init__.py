@@ -33,7 +33,6 @@ from .lanes import (
     any_lane,
     bits_of_places,
     broadcast,
-    count_true,
     floor,
     lane,
     movemask,

@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-from collections.abc import Callable
 from typing import Any
 
 from llvmlite import ir
@@ -43,25 +42,17 @@ def any_lane(typingctx: Any, mask: Any) -> Any:
     return types.boolean(mask), emit
 
 
-def _of_bits(count: Callable[..., Any], doc: str) -> Any:
-    """A number from a mask's lanes as bits of one, the first the lowest."""
+@intrinsic
+def movemask(typingctx: Any, mask: Any) -> Any:
+    """The lanes in which a mask holds, as bits of a number, the first the lowest."""
+    if not isinstance(mask, Mask):
+        return None
 
-    def typed(typingctx: Any, mask: Any) -> Any:
-        if not isinstance(mask, Mask):
-            return None
+    def emit(context: Any, builder: Any, sig: Any, args: Any) -> Any:
+        bits = builder.bitcast(args[0], ir.IntType(sig.args[0].count))
+        return builder.zext(bits, context.get_value_type(sig.return_type))
 
-        def emit(context: Any, builder: Any, sig: Any, args: Any) -> Any:
-            bits = builder.bitcast(args[0], ir.IntType(sig.args[0].count))
-            return builder.zext(count(builder, bits), context.get_value_type(sig.return_type))
-
-        return types.uint64(mask), emit
-
-    typed.__doc__ = doc
-    return intrinsic(typed)
-
-
-movemask = _of_bits(lambda _, bits: bits, "The lanes in which a mask holds, as bits of a number, the first the lowest.")
-count_true = _of_bits(lambda builder, bits: builder.ctpop(bits), "In how many lanes a mask holds.")
+    return types.uint64(mask), emit
 
 
 def _of_each(function: str, doc: str) -> Any:

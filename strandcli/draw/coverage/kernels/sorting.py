@@ -4,18 +4,14 @@ from __future__ import annotations
 
 import numpy as np
 
-from ....constants import VECTOR
 from ....jit import device, inlined
-from ....simd import broadcast, count_true, half_width_pointer, lane_count, load, pointer, store, where
-from ...common.kernels.numbers import ONE, STEPS, ZERO
+from ....simd import broadcast, lane_count, load, pointer, store, where
+from ...common.kernels.numbers import ONE, ZERO
 from .tiles import AT_DEPTH, AT_VERTEX, NUMBERS
 
 RUN = 128
 """Greatest length of a list that is sorted by counting; longer lists are merged from runs of this length."""
-LANES = VECTOR // 2 // 4
-"""Lanes of a vector of a `half_width_pointer`; most lists are no longer."""
-ALL = np.uint64(0xFFFFFFFFFFFFFFFF)
-ONE_BIT, FOUR = np.uint64(1), np.uint64(NUMBERS)
+FOUR = np.uint64(NUMBERS)
 
 
 @device
@@ -31,11 +27,6 @@ def sort_pixels(fragments, counts, ends, depths, ranks, spare, order):
     for p in range(counts.shape[0]):
         n = np.int64(counts[p])
         first = np.int64(ends[p]) - n
-        if n <= LANES:
-            rows, steps = half_width_pointer(depths), load(half_width_pointer(STEPS), 0)
-            if sort_few(rows, steps, first, n, order):
-                insertion_sort(fragments, first, n, order)
-            continue
         for low in range(first, first + n, RUN):
             size = min(first + n - low, RUN)
             count_nearer(pointer(depths), pointer(ranks), low, size)
@@ -48,22 +39,6 @@ def sort_pixels(fragments, counts, ends, depths, ranks, spare, order):
                 insertion_sort(fragments, low, size, order)
         if n > RUN:
             merge_runs(fragments, first, n, order, spare)
-
-
-@inlined
-def sort_few(rows, steps, low, n, order):
-    """Sort the list of n <= `LANES` depths from index `low` on; return whether any two are equal.
-
-    The loop always runs over all lanes, because the end of a short loop cannot be predicted. Lanes beyond the list are
-    written behind it, where the next list overwrites them."""
-    own = load(rows, low)
-    valid = steps < np.float32(n)
-    taken = np.uint64(0)
-    for i in range(LANES):
-        o = count_true((own > rows[low + i]) & valid) if i < n else np.uint64(LANES)
-        order[np.uint64(low) + o] = np.uint32(low + i)
-        taken |= ONE_BIT << o
-    return taken & ~(ALL << np.uint64(n)) != ~(ALL << np.uint64(n))
 
 
 @inlined
