@@ -9,7 +9,7 @@ from .batch import layout
 NX, NY, NZ = layout.allocate(3, surfaces="ambient:out")
 SX, SY = layout.allocate(2, surfaces="gather:reflect")
 DISTANCE = layout.allocate(surfaces="gather:ambient")[0]
-PIXEL = layout.allocate(surfaces="ambient")[0]
+PIXEL = layout.allocate(surfaces="ambient:out")[0]
 THERE = layout.allocate(surfaces="ambient:out")[0]
 # How much of a pixel's light is that of the point; distances along the rays of a pixel in which a solid has an edge in
 # front of itself.

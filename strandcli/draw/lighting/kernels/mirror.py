@@ -17,7 +17,7 @@ from numpy.typing import NDArray
 from ....constants import W
 from ....jit import device
 from ....simd import lane_count, load, pointer, reduce_max
-from ....solids.kernels import built_in, custom
+from ....solids.kernels.outside import count
 from ...common.kernels.batch import EX, RADIANCE, X, set_vector, vector_at
 from ...common.kernels.light_columns import POWER_R
 from ...common.kernels.numbers import HALF, INF, INV_PI, ONE, STEPS, THREE, TWO, ZERO
@@ -74,12 +74,6 @@ def room(mirrors, count):
 
 
 @device
-def number_of(solids):
-    """Return the number of solids."""
-    return built_in.count(solids) + custom.count(solids)
-
-
-@device
 def follow(reflected, n, solids, which):
     """Store the mirror rays, `Rays`, of the first n points of a batch of solid number `which`, and what each meets."""
     work, rows = reflected.work, reflected.rows
@@ -91,7 +85,7 @@ def follow(reflected, n, solids, which):
         x, y, z = vector_at(work, X, k)
         near = INF
         hit = FREE
-        for j in range(number_of(solids)):
+        for j in range(count(solids)):
             if j == which:
                 continue
             t = rays.meet(solids, j, x, y, z, mx, my, mz)

@@ -13,6 +13,7 @@ from ....jit import device, inlined, parallel, prange
 from ....jit.indices import places, task_at
 from ....simd import broadcast, lane_count, load, pointer, store, store3
 from ....solids.kernels import custom
+from ....solids.kernels.outside import count
 from ...common.kernels.batch import RADIANCE, vector_at
 from ...common.kernels.keys import EMPTY, FIRST, LOW
 from ...common.kernels.numbers import ZERO
@@ -119,7 +120,7 @@ def mirror_solids(n, which, surround, strands, lights, shadows, solids, coating,
         return
     mirror.follow(reflected, n, solids, which)
     bare = Coating(coating.paint, coating.bare, coating.bare, mirrors)
-    for hit in range(mirror.FREE, mirror.number_of(solids)):
+    for hit in range(mirror.FREE, count(solids)):
         m = mirror.gather(reflected, n, hit)
         if m > 0 and hit >= 0:
             batch(seen, m, hit, surround, strands, lights, shadows, solids, bare)

@@ -8,7 +8,7 @@ from ....constants import W
 from ....jit import device
 from ....jit.indices import FIRST, SECOND, THIRD
 from ....simd import broadcast, lane_count, load, load3, pointer, sqrt, store, store3
-from ....solids.kernels import built_in, sphere
+from ....solids.kernels import built_in
 from ....solids.kernels.built_in import device_if_built_in
 from ...common.kernels import surface_batch as surface
 from ...common.kernels.batch import EX, RADIANCE, X, set_vector, vector_at
@@ -67,23 +67,9 @@ def face(work, n, solids, which):
 @device_if_built_in(lambda solids, work, n, which: None)
 def face_built_in(solids, work, n, which):
     """`face` of a solid of the four shapes."""
-    if which < solids.spheres.shape[0]:
-        rows = pointer(work)
-        for k in range(0, n, lane_count(rows)):
-            x, y, z = load3(rows, X + k, W)
-            x = x - solids.spheres[which, sphere.X]
-            y = y - solids.spheres[which, sphere.Y]
-            z = z - solids.spheres[which, sphere.Z]
-            size = ONE / sqrt(max(x * x + y * y + z * z, rays.TINY))
-            store3(rows, surface.NX + k, W, x * size, y * size, z * size)
-    elif 0 <= which - solids.spheres.shape[0] - solids.capsules.shape[0] < solids.planes.shape[0]:  # is a plane
-        normal = rays.normal_built_in(solids, which, work[X], work[X + W], work[X + 2 * W])
-        for k in range(n):
-            set_vector(work, surface.NX, k, normal)
-    else:
-        for k in range(n):
-            x, y, z = vector_at(work, X, k)
-            set_vector(work, surface.NX, k, rays.normal_built_in(solids, which, x, y, z))
+    for k in range(n):
+        x, y, z = vector_at(work, X, k)
+        set_vector(work, surface.NX, k, rays.normal_built_in(solids, which, x, y, z))
 
 
 @device

@@ -28,18 +28,6 @@ def meet(solids, which, ox, oy, oz, dx, dy, dz):
     return custom.meet(solids, which - first, ox, oy, oz, dx, dy, dz)
 
 
-@function
-def meet_rays(solids, which, rays, found):
-    """Write to `found` what `meet` returns for each of the rays of a pixel (`kernels.custom`), which are lost."""
-    first = built_in.count(solids)
-    if which >= first:
-        custom.trace_rays(solids, which - first, rays, found)
-        return
-    for k in range(custom.RAYS):
-        ox, oy, oz, dx, dy, dz = custom.ray_of(rays, k)
-        found[k] = meet(solids, which, ox, oy, oz, dx, dy, dz)
-
-
 @device_if_built_in(lambda solids, m, ox, oy, oz, dx, dy, dz: INF)
 def meet_built_in(solids, m, ox, oy, oz, dx, dy, dz):
     """Return `meet` for a solid that has kernels of its own."""

@@ -9,7 +9,7 @@ from ....jit import device, function, inlined
 from ....jit.pruned import device_where
 from ....simd import floor, gather, lane_count, load, pointer, store, where
 from ....simd.local import local_float64
-from ....solids.kernels import custom
+from ....solids.kernels import built_in, custom
 from ....solids.kernels.custom import put_ray
 from ...common.kernels.batch import RADIANCE
 from ...common.kernels.keys import FIRST, LOW, SHIFT
@@ -117,7 +117,7 @@ def fine_points(solids, work, which, n, at, column, row, view, solid):
     for ray in range(FINE * FINE):
         x, y = ray_at(ray, column, row)
         put_ray(beams, ray, ray_through(x, y, view))
-    rays.meet_rays(solids, solid, beams, found)
+    custom.trace_rays(solids, solid - built_in.count(solids), beams, found)
     for ray in range(FINE * FINE):
         t = np.float32(found[ray])
         work[RAYS + ray] = t

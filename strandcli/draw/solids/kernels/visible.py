@@ -7,13 +7,13 @@ import numpy as np
 from ....constants import W
 from ....jit import device, parallel, prange
 from ....simd.local import local_float64
-from ....solids.kernels import box, built_in, capsule, plane, sphere
+from ....solids.kernels import box, built_in, capsule, custom, plane, sphere
 from ....solids.kernels.built_in import device_if_built_in
 from ....solids.kernels.custom import RAYS, put_ray
 from ...common.kernels.keys import EMPTY, FIRST, LOW, SHIFT
 from ...common.kernels.numbers import HALF, INF, ONE, ZERO
 from ...common.kernels.view_columns import AXIS_X, AXIS_Y, DEPTH_RANGE, FOCAL, NEAR_PLANE, PERSPECTIVE
-from .rays import meet_rays, ray
+from .rays import ray
 
 LEFT, RIGHT, TOP, BOTTOM = range(4)
 """Columns of a solid's screen bounds: pixels, right and bottom exclusive."""
@@ -93,14 +93,15 @@ def aim(work, count, view):
 @device
 def meet_batch(work, count, solids, m):
     """Store the depths at which the rays of a batch meet solid number m."""
-    if m < built_in.count(solids):
+    own = m - built_in.count(solids)  # number among those without kernels of their own
+    if own < 0:
         meet_built_in(solids, m, work, np.uint64(count))
         return
     beams, found = local_float64(), local_float64()
     for first in range(0, count, RAYS):
         for k in range(RAYS):
             put_ray(beams, k, ray_at(work, np.uint64(min(first + k, count - 1))))
-        meet_rays(solids, m, beams, found)
+        custom.trace_rays(solids, own, beams, found)
         for k in range(min(RAYS, count - first)):
             work[MET + first + k] = found[k]
 
