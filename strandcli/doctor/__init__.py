@@ -109,8 +109,9 @@ def threading_layers() -> Iterator[Finding]:
         found.append(name)
     alone = found == ["Numba's own"]
     text = f"threading layers: {', '.join(found) or 'none'}" + (": frames are drawn one by one" if alone else "")
+    better = "apt-get install libgomp1" if sys.platform.startswith("linux") else "pip install tbb"
     yield judged("threading", text, (not found, BROKEN, "pip install --force-reinstall numba"),
-                 (alone, NOTE, "apt-get install libgomp1: several at once"))  # fmt: skip
+                 (alone, NOTE, f"{better}: several at once"))  # fmt: skip
 
 
 def processor() -> Iterator[Finding]:
