@@ -7,7 +7,7 @@ constant offsets, so the compiler knows that they do not overlap; quantities tha
 
 from __future__ import annotations
 
-from collections.abc import Iterator, Mapping, Sequence
+from collections.abc import Mapping, Sequence
 
 from ....constants import W
 from ....jit import inlined
@@ -16,50 +16,40 @@ from ....jit import inlined
 class RowAllocator:
     """Allocates the rows of one scratch array.
 
-    ``pitch``: numbers a row. ``stages``: for each user of the layout, the names of its stages in order. A user is a
-    group of kernels; two users never work on one array at the same time, so their lifetimes are independent. Where
-    stages run in a loop, a quantity that is carried from one turn to the next lives from the first stage of the loop to
-    the last.
+    ``stages``: for each user of the layout, the names of its stages in order. A user is a group of kernels; two users
+    never work on one array at the same time, so their lifetimes are independent. Where stages run in a loop, a quantity
+    that is carried from one turn to the next lives from the first stage of the loop to the last.
     """
 
-    def __init__(self, pitch: int, stages: Mapping[str, Sequence[str]]) -> None:
-        self.pitch = pitch
-        self._stages = {user: tuple(names) for user, names in stages.items()}
-        self._taken: set[tuple[int, str, int]] = set()
-        """Row, user and number of the stage."""
+    def __init__(self, **stages: Sequence[str]) -> None:
+        self._stages: Mapping[str, Sequence[str]] = stages
+        self._taken: set[tuple[int, str, str]] = set()
+        """Row, user and stage."""
 
     def allocate(self, count: int = 1, **lifetime: str) -> tuple[int, ...]:
         """Return the offsets, in numbers, of the first ``count`` consecutive rows that are free for a quantity.
 
         ``lifetime``: for each user that needs the quantity a stage, or the first and the last one as "light:shade".
-        Raises `ValueError` if a stage does not exist.
         """
-        stages = list(self._stages_of(lifetime))
+        live: set[tuple[str, str]] = set()
+        for user, named in lifetime.items():
+            (begin, _, end), order = named.partition(":"), self._stages[user]
+            live |= {(user, stage) for stage in order[order.index(begin) : order.index(end or begin) + 1]}
         first = 0
-        while any((row, *stage) in self._taken for row in range(first, first + count) for stage in stages):
+        while any((row, *one) in self._taken for row in range(first, first + count) for one in live):
             first += 1
-        self._taken.update((row, *stage) for row in range(first, first + count) for stage in stages)
-        return tuple(self.pitch * row for row in range(first, first + count))
+        self._taken |= {(row, *one) for row in range(first, first + count) for one in live}
+        return tuple(W * row for row in range(first, first + count))
 
     def row_count(self, user: str) -> int:
         """Return the number of rows that a user's array needs."""
-        return max((row + 1 for row, who, _ in self._taken if who == user), default=0)
-
-    def _stages_of(self, lifetime: Mapping[str, str]) -> Iterator[tuple[str, int]]:
-        """Yield user and stage number for each stage of a lifetime."""
-        for user, stages in lifetime.items():
-            first, _, last = stages.partition(":")
-            begin, end = self._stages[user].index(first), self._stages[user].index(last or first)
-            yield from ((user, stage) for stage in range(begin, end + 1))
+        return 1 + max(row for row, who, _ in self._taken if who == user)
 
 
 layout = RowAllocator(
-    W,
-    {
-        # "light" to "darken" run once for each light; "soft": shadows of solids in lights with a size
-        "strands": ("gather", "ambient", "light", "soft", "maps", "dual", "highlights", "darken", "out"),
-        "surfaces": ("gather", "ambient", "light", "soft", "maps", "reflect", "out"),
-    },
+    # "light" to "darken" run once for each light; "soft": shadows of solids in lights with a size
+    strands=("gather", "ambient", "light", "soft", "maps", "dual", "highlights", "darken", "out"),
+    surfaces=("gather", "ambient", "light", "soft", "maps", "reflect", "out"),
 )
 # Of each point: sine of the light's angular radius, sine of the least angle between the light's centre and a solid's
 # silhouette, and whether the current solid can shade it.
