@@ -19,6 +19,7 @@ from strandcli.groom.record import Groom
 from strandcli.run.frame import Frame
 from strandcli.run.pipeline import render
 from strandcli.scene import Scene, loads
+from strandcli.simulate import advice
 from strandcli.simulate.rules import Pass, registry
 from strandcli.simulate.solver import Solver
 from strandcli.simulate.thesis.solver import ThesisSolver, source
@@ -30,6 +31,12 @@ PLAIN = "prange = range\ndef function(f): return f\nparallel = function"
 def scene_of(text: str) -> Scene:
     """The scene of a text that has to be valid, with the rules that are shipped."""
     return loads(text, rules=registry(), name="test.yaml")
+
+
+def warned(scene: Scene | str) -> list[str]:
+    """What a run of a scene warns of."""
+    scene = scene_of(scene) if isinstance(scene, str) else scene
+    return advice.warnings(scene, groom_of(scene))
 
 
 def groom_of(scene: Scene) -> Groom:
@@ -63,6 +70,15 @@ def frames_of(scene: Scene, *frames: int, **options: Any) -> list[Frame]:
     """Rendered frames with their positions; on one thread, where nothing else is asked for: tests run side by side, and
     pictures so small are not worth a second."""
     return list(render(scene, frames or None, keep_positions=True, **({"threads": 1} | options)))
+
+
+def require_alike(left: Sequence[Frame], right: Sequence[Frame], detail: bool = False) -> None:
+    """Fail where frames differ by a bit. ``detail``: the right ones have only strands that level of detail draws."""
+    assert [one.number for one in left] == [one.number for one in right]
+    for a, b in zip(left, right, strict=True):
+        np.testing.assert_array_equal(a.positions[: len(b.positions)] if detail else a.positions, b.positions)
+        np.testing.assert_array_equal(a.image, b.image)
+        assert detail or (a.report["error"], a.report["counts"]) == (b.report["error"], b.report["counts"])
 
 
 def need_frames_at_once() -> None:

@@ -50,14 +50,12 @@ def test_one_frame_into_a_finished_shot_leaves_the_rest_whole(run: Runner, optio
     assert re.search("4 frames, 1 to 4", Path("a/report.html").read_text())
 
 
-def test_animations_that_nobody_lets_replace_stay(run: Runner) -> None:
+@pytest.mark.parametrize(
+    ("options", "told"),
+    [("-f 5", ""), ("-f 3 --overwrite --set wind.strength=9", "3 frames there of another scene")],
+    ids=["nobody lets replace it", "a frame of another scene"],
+)
+def test_an_animation_stays(run: Runner, options: str, told: str) -> None:
     film = Path("a/animation.gif").read_bytes()
-    assert run("render", "tiny.yaml", "-o", "a", "-f", "5").code == 0
-    assert Path("a/animation.gif").read_bytes() == film
-
-
-def test_a_frame_of_another_scene_joins_no_animation(run: Runner) -> None:
-    film = Path("a/animation.gif").read_bytes()
-    done = run("render", "tiny.yaml", "-o", "a", "-f", "3", "--overwrite", "--set", "wind.strength=9")
-    assert "3 frames there of another scene" in done.err
+    assert told in run.fine("render", "tiny.yaml", "-o", "a", *options.split()).err
     assert Path("a/animation.gif").read_bytes() == film

@@ -55,19 +55,16 @@ def test_a_copy_of_a_preset_draws_with_the_meshes_that_it_names(run: Runner) -> 
     assert not Path("other.yaml").exists()
 
 
-def test_the_schema_is_json_and_written_where_asked(run: Runner) -> None:
-    printed = json.loads(run("schema").out)
-    assert printed["$schema"].startswith("https://json-schema.org/")
-    assert run("schema", "-o", "s.json").code == 0
-    assert json.loads(Path("s.json").read_text()) == printed
-    assert run("schema", "-o", "s.json").code == 2
-
-
-def test_the_reference_is_markdown_on_stdout_or_in_a_file(run: Runner) -> None:
-    printed = run("schema", "--markdown").out
-    assert printed.startswith("# Reference of presets\n")
-    assert run("schema", "--markdown", "-o", "presets.md").code == 0
-    assert Path("presets.md").read_text() == printed
+@pytest.mark.parametrize("options", [(), ("--markdown",)])
+def test_the_schema_and_the_reference_are_printed_or_written_where_asked(run: Runner, options: tuple[str, ...]) -> None:
+    printed = run("schema", *options).out
+    if options:
+        assert printed.startswith("# Reference of presets\n")
+    else:
+        assert json.loads(printed)["$schema"].startswith("https://json-schema.org/")
+    run.fine("schema", *options, "-o", "s")
+    assert Path("s").read_text() == printed
+    run.refused("schema", *options, "-o", "s")
 
 
 def test_the_plan_is_printed_and_given_as_data(run: Runner) -> None:

@@ -214,12 +214,8 @@ def test_a_width_of_all_strands_is_kept(tmp_path: Path, name: str) -> None:
 
 
 def test_a_thickness_that_nobody_set_is_no_width(tmp_path: Path) -> None:
-    strands = kit.of(EQUAL)
-    for width in (None, 0.25):
-        held = {} if width is None else {"width": Attribute("groom", np.array([width], np.float32))}
-        write(tmp_path / "a.hair", Strands(strands.first, strands.points, held))
-        found = read(tmp_path / "a.hair").attributes
-        assert (found["width"].values == width).all() if width else "width" not in found
+    write(tmp_path / "a.hair", kit.of(EQUAL))
+    assert "width" not in read(tmp_path / "a.hair").attributes
 
 
 def test_longer_strands_than_a_format_can_tell_are_refused(tmp_path: Path) -> None:

@@ -7,12 +7,13 @@ from pathlib import Path
 import numpy as np
 import pytest
 
-from mesh_kit import sphere
+from mesh_kit import ply, sphere
 from strandcli.draw.lighting.palette import Palette
 from strandcli.errors import UsageError
 from strandcli.groom.emit import emit
 from strandcli.groom.on_mesh import SHADES
 from strandcli.groom.record import Groom
+from strandcli.meshes.mesh import TriangleMesh
 from strandcli.scene.model import Emitter, Material, MeshShape
 
 COUNT = 4000
@@ -21,15 +22,10 @@ COUNT = 4000
 def ball(path: Path, colours: bool = True) -> str:
     """A ball whose red grows with x and whose green with y, in light; its blue is 0.3."""
     vertices, triangles = sphere()
-    names = ["x", "y", "z", *(["red", "green", "blue"] if colours else [])]
     light = np.column_stack([0.5 + 0.5 * vertices[:, :2], np.full(len(vertices), 0.3)])
     codes = np.where(light <= 0.0031308, 12.92 * light, 1.055 * light ** (1 / 2.4) - 0.055)
-    rows = np.column_stack([vertices, codes]) if colours else vertices
-    lines = ["ply", "format ascii 1.0", f"element vertex {len(vertices)}", *(f"property float {n}" for n in names)]
-    lines += [f"element face {len(triangles)}", "property list uchar int vertex_indices", "end_header"]
-    lines += [" ".join(f"{x:.9g}" for x in row) for row in rows]
-    lines += ["3 " + " ".join(map(str, row)) for row in triangles]
-    path.write_text("\n".join(lines) + "\n")
+    more = dict(zip(("red", "green", "blue"), codes.T.astype("f4"), strict=True)) if colours else None
+    path.write_bytes(ply(TriangleMesh(vertices, triangles.astype(np.int32), vertices), more=more))
     return str(path)
 
 

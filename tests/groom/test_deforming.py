@@ -9,7 +9,7 @@ import pytest
 
 import strandcli
 from cli_runs import Runner
-from mesh_kit import sphere
+from mesh_kit import sphere, write
 from scene_kit import RULES
 from strandcli.errors import UsageError
 from strandcli.groom.blocks import arranged, unpack
@@ -24,28 +24,17 @@ MATRIX, SHIFT = np.array([[1.2, 0.3, 0.0], [0.0, 0.8, 0.1], [0.2, 0.0, 1.1]]), n
 TURN = np.array([[0.0, 0.0, 1.0], [0.0, 1.0, 0.0], [-1.0, 0.0, 0.0]])
 
 
-def written(path: Path, vertices: np.ndarray, triangles: np.ndarray) -> str:
-    lines = [f"v {x:.9g} {y:.9g} {z:.9g}" for x, y, z in vertices]
-    path.write_text("\n".join([*lines, *(f"f {a + 1} {b + 1} {c + 1}" for a, b, c in triangles)]) + "\n")
-    return str(path)
-
-
 def scene_of(folder: Path, matrix: np.ndarray, more: str = "", solver: str = "thesis") -> Scene:
     """Strands on a ball that is another one, under an affine map, one second later."""
     vertices, triangles = sphere()
-    first = written(folder / "a.obj", vertices, triangles)
-    last = written(folder / "b.obj", vertices @ matrix.T + SHIFT, triangles)
+    first = write(folder / "a.obj", vertices, triangles)
+    last = write(folder / "b.obj", vertices @ matrix.T + SHIFT, triangles)
     deform = f"[{{time: 0, file: {first}}}, {{time: 1, file: {last}}}]"
     shape = f"{{kind: mesh, file: {first}, deform: {deform}}}"
-    return loaded(folder, f"shape: {shape}", f"solver: {solver}\n{more}")
-
-
-def loaded(folder: Path, emitter: str, more: str) -> Scene:
-    """A scene of 150 strands for a second."""
     path = folder / "p.yaml"
     path.write_text(
         "time: {fps: 10, frames: 11, substeps: 4}\nrules: [emitter_motion, elasticity]\n"
-        f"emitter: {{{emitter}, strands: 150, particles: 5, length: 0.2}}\n{more}"
+        f"emitter: {{shape: {shape}, strands: 150, particles: 5, length: 0.2}}\nsolver: {solver}\n{more}"
     )
     return strandcli.load(str(path))
 
@@ -86,8 +75,7 @@ def test_roots_of_children_follow(tmp_path: Path) -> None:
 
 def test_other_topology_and_keys_out_of_order_are_refused(tmp_path: Path, run: Runner) -> None:
     scene = scene_of(tmp_path, MATRIX)
-    vertices, triangles = sphere(1)
-    written(tmp_path / "b.obj", vertices, triangles)
+    write(tmp_path / "b.obj", *sphere(1))
     with pytest.raises(UsageError, match=r"b\.obj: has 18 vertices, the mesh that it moves has 258"):
         at_start(scene, emit(scene.emitter, scene.seed))
     assert "emitter.shape.deform.1.file" in run.refused("plan", tmp_path / "p.yaml")

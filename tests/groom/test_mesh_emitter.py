@@ -8,6 +8,7 @@ import numpy as np
 import pytest
 from PIL import Image
 
+import mesh_kit
 from mesh_kit import sphere
 from scene_kit import scene
 from strand_kit import frames_of
@@ -19,27 +20,18 @@ from strandcli.groom.emit import emit
 from strandcli.groom.on_mesh import at_anchors, described, notes, seedbed
 from strandcli.groom.record import Groom
 from strandcli.meshes.bvh import closest, make_bvh
+from strandcli.meshes.mesh import TriangleMesh
 from strandcli.scene.model import Emitter, MeshShape
 
 COUNT = 20_000
 
 
 def write(path: Path, vertices: np.ndarray, triangles: np.ndarray, **attributes: np.ndarray) -> str:
-    """A .ply file of a mesh with a float property for each attribute, three for one of three columns."""
-    columns = [*vertices.T]
-    names = ["x", "y", "z"]
+    """A .ply file of a mesh with a number for each attribute, three for one of three columns."""
+    more = {}
     for name, values in attributes.items():
-        if values.ndim == 2:
-            names += [f"{name}_{c}" for c in "xyz"]
-            columns += [*values.T]
-        else:
-            names.append(name)
-            columns.append(values)
-    lines = ["ply", "format ascii 1.0", f"element vertex {len(vertices)}", *(f"property float {n}" for n in names)]
-    lines += [f"element face {len(triangles)}", "property list uchar int vertex_indices", "end_header"]
-    lines += [" ".join(f"{x:.9g}" for x in row) for row in np.stack(columns, axis=1)]
-    lines += ["3 " + " ".join(map(str, row)) for row in triangles]
-    path.write_text("\n".join(lines) + "\n")
+        more |= {name: values} if values.ndim == 1 else dict(zip((f"{name}_{c}" for c in "xyz"), values.T, strict=True))
+    path.write_bytes(mesh_kit.ply(TriangleMesh(vertices, triangles.astype(np.int32), vertices), more=more))
     return str(path)
 
 
@@ -55,11 +47,8 @@ def ball(tmp_path: Path) -> str:
 
 def textured(path: Path, uv: bool = True) -> str:
     """A square from 0 to 1 in x and z, as .obj, whose picture lies on it."""
-    lines = [f"v {x} 0 {z}" for x, z in ((0, 0), (0, 1), (1, 1), (1, 0))]
-    lines += [f"vt {x} {z}" for x, z in ((0, 0), (0, 1), (1, 1), (1, 0))] if uv else []
-    lines += ["f 1/1 2/2 3/3", "f 1/1 3/3 4/4"] if uv else ["f 1 2 3", "f 1 3 4"]
-    path.write_text("\n".join(lines) + "\n")
-    return str(path)
+    corners = np.array([(0, 0, 0), (0, 0, 1), (1, 0, 1), (1, 0, 0)])
+    return str(mesh_kit.write(path, corners, np.array([(0, 1, 2), (0, 2, 3)]), uv=corners[:, ::2] if uv else None))
 
 
 def grown(file: str, seed: int = 1, count: int | None = None, **settings: object) -> Groom:

@@ -86,6 +86,12 @@ def test_the_combed_parts_of_many_are_those_of_each() -> None:
         np.testing.assert_array_equal(Combed(scene, groom).points, points)
 
 
+def on_emitter(scene: Scene, points: np.ndarray, at: float) -> np.ndarray:
+    """Points in the frame that the emitter has at a time."""
+    rotation, shift = (np.array(part) for part in emitter_pose(scene.emitter, at))
+    return np.asarray((points - shift) @ rotation)
+
+
 def test_strands_are_joined_at_the_tie_and_move_rigidly_with_the_emitter() -> None:
     scene = scene_of(SCENE)
     groom = emit(scene.emitter, scene.seed)
@@ -93,8 +99,7 @@ def test_strands_are_joined_at_the_tie_and_move_rigidly_with_the_emitter() -> No
     hanging = np.random.default_rng(1).normal(size=(300, 7, 3)).astype(np.float32)
     for at in (0.0, 0.4, 1.0):
         joined = unpack(whole.join(pack(hanging), at, 300, Scratch()), 300)
-        rotation, shift = (np.array(part) for part in emitter_pose(scene.emitter, at))
-        np.testing.assert_allclose((joined[:, : 1 + TIED] - shift) @ rotation, whole.points, atol=2e-7)
+        np.testing.assert_allclose(on_emitter(scene, joined[:, : 1 + TIED], at), whole.points, atol=2e-7)
         np.testing.assert_array_equal(joined[:, 1 + TIED :], hanging[:, 1:])
     still = dataclasses.replace(scene, rules=scene.rules[1:])  # nothing carries the emitter along
     stays = unpack(Combed(still, groom).join(pack(hanging), 1.0, 300, Scratch()), 300)
@@ -141,9 +146,8 @@ def test_a_frame_of_tied_strands_covers_the_scalp_and_solvers_know_only_what_han
     tied = dataclasses.replace(scene_of(text), camera=camera)
     (frame,) = frames_of(tied, 25)
     bound = emit(tied.emitter, tied.seed)
-    rotation, shift = (np.array(part) for part in emitter_pose(tied.emitter, 1.0))
     assert frame.positions.shape == (300, 6, 3)
-    np.testing.assert_allclose(frame.positions[:, 0], bound.roots @ rotation.T + shift, atol=1e-6)
+    np.testing.assert_allclose(on_emitter(tied, frame.positions[:, 0], 1.0), bound.roots, atol=1e-6)
     assert frame.report["counts"]["particles"] == 300 * (TIED + 6)
     assert "combed" in frame.report["seconds"]
     assert frame.report["error"]["stretch_max"] < 1e-3
@@ -225,16 +229,6 @@ def test_strands_lie_on_the_mesh(tmp_path: Path, stretch: np.ndarray) -> None:
 WISPS = dataclasses.replace(TIE, wisps=0.6, wisp_length=LENGTH)
 
 
-def made() -> tuple[NDArray[np.float64], NDArray[np.float64]]:
-    """Where wisps grow, (K, 3), and where they are, (K, ROWS, 3)."""
-    emitter = emitter_of(tie=WISPS)
-    groom = emit(emitter, 0)
-    rng = np.random.default_rng(1)
-    roots = groom.grown[chosen(emitter, groom, rng.random(4000))]
-    lots = rng.random((len(roots), 4))
-    return roots, wisps(emitter, roots, lots, ROWS, lambda points, _: np.zeros(len(points))).astype(float)
-
-
 def test_they_are_as_many_as_asked_at_the_rim_and_fewer_by_the_exponential_law() -> None:
     emitter = emitter_of(strands=400_000, tie=WISPS)
     groom = emit(emitter, 0)
@@ -250,8 +244,13 @@ def test_they_are_as_many_as_asked_at_the_rim_and_fewer_by_the_exponential_law()
 
 
 def test_they_never_go_into_what_bears_them() -> None:
-    roots, points = made()
+    emitter = emitter_of(tie=WISPS)
+    groom = emit(emitter, 0)
+    rng = np.random.default_rng(1)
+    roots = groom.grown[chosen(emitter, groom, rng.random(4000))]
     assert len(roots) > 100
+    lots = rng.random((len(roots), 4))
+    points = wisps(emitter, roots, lots, ROWS, lambda points, _: np.zeros(len(points))).astype(float)
     above = np.linalg.norm(points[:, 1:], axis=-1) - RADIUS
     assert above.min() > -1e-7
     assert above.max() <= OFF * LENGTH
@@ -273,11 +272,8 @@ def test_they_are_drawn_in_place_of_what_is_tied_and_move_with_the_emitter() -> 
     rest = np.setdiff1d(np.arange(300), short)
     now, tied = joined(scene, groom, 1.0), joined(none, groom, 1.0)
     np.testing.assert_array_equal(now[rest], tied[rest])
-    rotation, shift = (np.array(part) for part in emitter_pose(scene.emitter, 1.0))
-    np.testing.assert_allclose((now[short, 1] - shift) @ rotation, groom.grown[short], atol=1e-7)
-    rotation, shift = (np.array(part) for part in emitter_pose(scene.emitter, 0.0))
-    first = (joined(scene, groom, 0.0) - shift) @ rotation
-    rotation, shift = (np.array(part) for part in emitter_pose(scene.emitter, 1.0))
-    np.testing.assert_allclose((now[short] - shift) @ rotation, first[short], atol=1e-7)
+    first, last = (on_emitter(scene, joined(scene, groom, at), at)[short] for at in (0.0, 1.0))
+    np.testing.assert_allclose(last[:, 1], groom.grown[short], atol=1e-7)
+    np.testing.assert_allclose(last, first, atol=1e-7)
     assert now.shape[1] == 1 + TIED + 6
-    assert np.linalg.norm(np.diff(first[short, 1:], axis=1), axis=2).sum(1).max() < 1.3 * scene.emitter.tie.wisp_length
+    assert np.linalg.norm(np.diff(first[:, 1:], axis=1), axis=2).sum(1).max() < 1.3 * scene.emitter.tie.wisp_length

@@ -108,7 +108,7 @@ def test_a_tiff_that_pillow_would_log_is_refused_in_silence(tmp_path: Path) -> N
     path = tmp_path / "a.tif"
     Image.fromarray(np.zeros((2, 3, 3), np.uint8)).save(path)
     data = path.read_bytes()
-    tag = (277).to_bytes(2, "little") + (3).to_bytes(2, "little") + (1).to_bytes(4, "little")  # samples a pixel
+    tag = struct.pack("<HHI", 277, 3, 1)  # samples a pixel
     assert data.count(tag) == 1
     path.write_bytes(data.replace(tag + b"\3\0", tag + b"\0\x08"))
     found = subprocess.run([sys.executable, "-c", OPEN, path], capture_output=True, text=True, check=True)
@@ -123,15 +123,8 @@ def test_a_tiff_of_few_bytes_has_few_pixels(packing: str, tmp_path: Path) -> Non
     with opened(path) as image:
         assert require_pixels(image).size == (side, 8)
     data = path.read_bytes()
-    for kind, tell in (((3).to_bytes(2, "little"), 2), ((4).to_bytes(2, "little"), 4)):  # width, short or long
-        tag = (256).to_bytes(2, "little") + kind + (1).to_bytes(4, "little")
-        data = data.replace(
-            tag + side.to_bytes(tell, "little") + bytes(4 - tell),
-            (256).to_bytes(2, "little")
-            + (4).to_bytes(2, "little")
-            + (1).to_bytes(4, "little")
-            + (10**7).to_bytes(4, "little"),
-        )
+    for kind in (3, 4):  # width, short or long
+        data = data.replace(struct.pack("<HHII", 256, kind, 1, side), struct.pack("<HHII", 256, 4, 1, 10**7))
     path.write_bytes(data)
     assert MOST_IN_A_BYTE[packing] * len(data) < 8 * 10**7
     with opened(path) as image, pytest.raises(ValueError, match="ends long before its 10000000 x 8 pixels"):

@@ -13,6 +13,7 @@ from numpy.typing import NDArray
 
 import strandcli
 from mesh_kit import sphere
+from strand_kit import require_alike
 from strandcli import load
 from strandcli.compiling import folder
 from strandcli.compiling.clock import clock
@@ -29,7 +30,7 @@ from strandcli.run.checkpoints import Checkpoints
 from strandcli.run.frame import Frame
 from strandcli.run.pipeline import render
 from strandcli.scene import Scene
-from tests.run.test_checkpoints import SMALL, Steps, alike
+from tests.run.test_checkpoints import SMALL, counted_steps
 
 LIKE = {FREE + "many": np.empty(0, np.float32), "few": np.empty((2, 2))}
 CODE = ("strandcli.jit.array_cache",)
@@ -191,7 +192,7 @@ def scene_of(name: str = "hair", **more: Any) -> Scene:
 
 def run(scene: Scene, frames: list[int], checkpoints: Any = None, **more: Any) -> tuple[list[Frame], int]:
     """Frames, and how many steps were simulated."""
-    with Steps() as steps:
+    with counted_steps() as steps:
         found = list(render(scene, frames, threads=1, keep_positions=True, checkpoints=checkpoints, **more))
     return found, steps.count
 
@@ -206,10 +207,7 @@ def test_a_later_run_has_the_bits_of_the_first(name: str) -> None:
     assert fewer < whole
     assert run(scene, [1], Checkpoints(None))[1] == 0
     for found in first, later:
-        for a, b in zip(plain, found, strict=True):
-            np.testing.assert_array_equal(a.image, b.image)
-            np.testing.assert_array_equal(a.positions, b.positions)
-            assert a.report["error"] == b.report["error"]
+        require_alike(plain, found)
 
 
 def test_only_what_moves_strands_begins_anew(place: Path) -> None:
@@ -243,4 +241,4 @@ def test_checkpoints_of_the_run_go_before(tmp_path: Path) -> None:
     again, simulated = run(scene, [3], Checkpoints(tmp_path, 2))
     assert 0 < simulated == scene.time.substeps < whole
     assert again[0].report["went_on_from"] == 2
-    alike(plain, again)
+    require_alike(plain, again)

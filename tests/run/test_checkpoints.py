@@ -6,7 +6,10 @@ from __future__ import annotations
 import os
 import subprocess
 import sys
+from collections.abc import Iterator
+from contextlib import contextmanager
 from pathlib import Path
+from types import SimpleNamespace
 from typing import Any
 from unittest.mock import patch
 
@@ -16,6 +19,7 @@ import pytest
 import mesh_kit
 import strandcli
 from cli_runs import Runner
+from strand_kit import require_alike
 from strandcli.errors import RefusedError, SimulationError
 from strandcli.meshes.mesh import TriangleMesh
 from strandcli.output.files import temporary_name
@@ -64,37 +68,22 @@ def test_what_a_killed_run_has_begun_goes_though_nothing_is_left_to_simulate(tmp
     assert not begun.exists()
 
 
-def alike(left: list[Frame], right: list[Frame], detail: bool = False) -> None:
-    """``detail``: the right ones have only the strands that level of detail draws."""
-    assert [one.number for one in left] == [one.number for one in right]
-    for a, b in zip(left, right, strict=True):
-        assert b.positions is not None
-        np.testing.assert_array_equal(a.positions[: len(b.positions)] if detail else a.positions, b.positions)
-        np.testing.assert_array_equal(a.image, b.image)
-        assert detail or a.report["error"] == b.report["error"]
-
-
-class Steps:
+@contextmanager
+def counted_steps() -> Iterator[SimpleNamespace]:
     """Counts the steps of both solvers in a block."""
+    steps = SimpleNamespace(count=0)
 
-    def __enter__(self) -> Steps:
-        self.count = 0
-        self._patches = []
-        for kind in (ThesisSolver, RodSolver):
-            self._patches.append(patch.object(kind, "step", self._counted(kind.step)))
-            self._patches[-1].start()
-        return self
+    def counted(kind: type[Solver]) -> Any:
+        step = kind.step
 
-    def _counted(self, step: Any) -> Any:
-        def counted(solver: Solver, time: float, dt: float) -> None:
-            self.count += 1
+        def one(solver: Solver, time: float, dt: float) -> None:
+            steps.count += 1
             step(solver, time, dt)
 
-        return counted
+        return patch.object(kind, "step", one)
 
-    def __exit__(self, *error: object) -> None:
-        for one in self._patches:
-            one.stop()
+    with counted(ThesisSolver), counted(RodSolver):
+        yield steps
 
 
 def goes_on(scene: Scene, folder: Path) -> None:
@@ -102,8 +91,8 @@ def goes_on(scene: Scene, folder: Path) -> None:
     whole = run(scene, [6, 7])
     run(scene, [5], Checkpoints(folder, 2))
     assert sorted(one.name for one in (folder / FOLDER).iterdir()) == ["frame_0002.state", "frame_0004.state"]
-    with Steps() as steps:
-        alike(run(scene, [6, 7], of_run(folder, None, pytest.fail)), whole)
+    with counted_steps() as steps:
+        require_alike(run(scene, [6, 7], of_run(folder, None, pytest.fail)), whole)
     assert steps.count == 3 * scene.time.substeps
 
 
@@ -152,11 +141,11 @@ def test_pictures_go_on_to_the_bit(tmp_path: Path) -> None:
     more = {"camera.shutter": 0.5, "detail": {"near": 1}, "image.size": [24, 20]}
     scene = everything(tmp_path, **more)
     whole = run(scene, [2, 4, 5, 8], draw=True)
-    alike(run(scene, [2, 4], Checkpoints(tmp_path, 4), draw=True), whole[:2], detail=True)
-    with Steps() as steps:
-        alike(run(scene, [5], of_run(tmp_path, None, pytest.fail), draw=True), whole[2:3], detail=True)
+    require_alike(run(scene, [2, 4], Checkpoints(tmp_path, 4), draw=True), whole[:2], detail=True)
+    with counted_steps() as steps:
+        require_alike(run(scene, [5], of_run(tmp_path, None, pytest.fail), draw=True), whole[2:3], detail=True)
     assert steps.count == 1  # frame 4 is the moment before
-    alike(run(scene, [4, 8], of_run(tmp_path, None, pytest.fail), draw=True), whole[1::2], detail=True)
+    require_alike(run(scene, [4, 8], of_run(tmp_path, None, pytest.fail), draw=True), whole[1::2], detail=True)
 
 
 def test_panels_have_checkpoints_of_their_own(tmp_path: Path) -> None:
@@ -167,7 +156,7 @@ def test_panels_have_checkpoints_of_their_own(tmp_path: Path) -> None:
     assert {one.name for one in (tmp_path / FOLDER).iterdir()} == {
         f"panel_{k + 1}_frame_0002.state" for k in range(len(scene.panels))
     }
-    with Steps() as steps:
+    with counted_steps() as steps:
         (found,) = run(scene, [3], of_run(tmp_path, None, pytest.fail), draw=True)
     np.testing.assert_array_equal(found.image, whole[0].image)
     assert steps.count == sum(panel.time.substeps for panel in scene.panels)
@@ -182,8 +171,8 @@ def test_a_damaged_one_is_told_of_and_made_again(tmp_path: Path) -> None:
     for place in range(0, len(sound), len(sound) // 5):
         path.write_bytes(sound[:place] + bytes([sound[place] ^ 4]) + sound[place + 1 :])
         heard.clear()
-        with Steps() as steps:
-            alike(run(scene, [8], of_run(tmp_path, None, heard.append)), whole)
+        with counted_steps() as steps:
+            require_alike(run(scene, [8], of_run(tmp_path, None, heard.append)), whole)
         assert steps.count == 4 * scene.time.substeps  # from frame 4
         assert len(heard) == 1
         assert "made again" in heard[0]
@@ -196,11 +185,11 @@ def test_one_of_another_scene_is_told_of_once_and_made_again(tmp_path: Path) -> 
     run(small("minimal"), [4], Checkpoints(tmp_path, 2))
     other = small("minimal", seed=7)
     whole = run(other, [5])
-    alike(run(other, [5], Checkpoints(tmp_path, 2, heard.append)), whole)
+    require_alike(run(other, [5], Checkpoints(tmp_path, 2, heard.append)), whole)
     assert len(heard) == 1
     assert "another scene" in heard[0]
-    with Steps() as steps:
-        alike(run(other, [5], of_run(tmp_path, None, pytest.fail)), whole)
+    with counted_steps() as steps:
+        require_alike(run(other, [5], of_run(tmp_path, None, pytest.fail)), whole)
     assert steps.count == other.time.substeps
 
 
@@ -256,7 +245,7 @@ def test_the_option(run: Runner) -> None:
     draw = ("render", *small_one, "--size", "24x20", "--threads", 1)
     run.fine(*draw, "-f", "1-6", "-o", "whole")
     run.fine(*draw, "-f", "1-4", "-o", "a", "--checkpoint", 3)
-    with Steps() as steps:
+    with counted_steps() as steps:
         run.fine(*draw, "-f", "6", "-o", "a")
     assert steps.count == 3 * strandcli.load("minimal").time.substeps
     assert Path("a/frame_0006.png").read_bytes() == Path("whole/frame_0006.png").read_bytes()

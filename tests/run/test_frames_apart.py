@@ -16,7 +16,7 @@ import pytest
 from hypothesis import given
 from hypothesis import strategies as st
 
-from strand_kit import frames_of, need_frames_at_once, scene_of
+from strand_kit import frames_of, need_frames_at_once, require_alike, scene_of
 from strandcli.run import pipeline
 from strandcli.run.checkpoints import Checkpoints
 from strandcli.run.ordered_map import ordered_map
@@ -159,10 +159,5 @@ def test_frames_drawn_side_by_side_are_those_drawn_one_after_the_other(monkeypat
     monkeypatch.setattr(pipeline, "_frames_at_once", lambda *args: 2)
     together = frames_of(scene, *numbers, threads=2)
     assert [frame.report["threads"] for frame in together] == threads
-    for a, b in zip(alone, together, strict=True):
-        assert a.number == b.number
-        np.testing.assert_array_equal(a.image, b.image)
-        np.testing.assert_array_equal(a.positions, b.positions)
-        assert a.report["error"] == b.report["error"]
-        assert a.report["counts"] == b.report["counts"]
+    require_alike(alone, together)
     assert (alone[5].image != alone[6].image).any()

@@ -10,7 +10,7 @@ import numba
 import numpy as np
 import pytest
 
-from strand_kit import frames_of, moved, need_frames_at_once, scene_of
+from strand_kit import frames_of, moved, need_frames_at_once, require_alike, scene_of
 from strandcli.constants import W
 from strandcli.groom import children
 from strandcli.run.frame import Frame
@@ -43,15 +43,6 @@ def frames(everything: Scene) -> list[Frame]:
     return frames_of(everything, 1, 4, threads=1)
 
 
-def alike(left: list[Frame], right: list[Frame]) -> None:
-    assert [frame.number for frame in left] == [frame.number for frame in right]
-    for a, b in zip(left, right, strict=True):
-        np.testing.assert_array_equal(a.positions, b.positions)
-        np.testing.assert_array_equal(a.image, b.image)
-        assert a.report["counts"] == b.report["counts"]
-        assert a.report["error"] == b.report["error"]
-
-
 def test_a_strand_does_not_depend_on_the_others(everything: Scene) -> None:
     many = moved(everything, 3, plain=False)
     for count in (1, W, W + 1, 300):
@@ -62,13 +53,13 @@ def test_portions_of_a_large_groom_give_the_same_picture(
     everything: Scene, frames: list[Frame], monkeypatch: pytest.MonkeyPatch
 ) -> None:
     monkeypatch.setattr("strandcli.draw.strand_batches.BATCH_VERTICES", 200)
-    alike(frames, frames_of(everything, 1, 4))
+    require_alike(frames, frames_of(everything, 1, 4))
 
 
 def test_frames_come_once_and_in_order_and_nothing_depends_on_what_else_is_asked_for(everything: Scene) -> None:
     some = frames_of(everything, 3, 1, 3, 2)
     assert [frame.number for frame in some] == [1, 2, 3]
-    alike([some[2]], frames_of(everything, 3))
+    require_alike([some[2]], frames_of(everything, 3))
     short = scene_of(UNLIT + "time: {frames: 4}\n")
     assert [frame.number for frame in render(short)] == [1, 2, 3, 4]
     assert list(render(short, [])) == []

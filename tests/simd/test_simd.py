@@ -166,16 +166,15 @@ def copied(given, out):
     return lane_count(quadruple_pointer(out))
 
 
-def test_four_whole_numbers_are_a_vector() -> None:
-    given, out = np.arange(9, dtype=np.int32), np.full(9, 9, np.int32)
-    assert copied(given, out) == 4
-    np.testing.assert_array_equal(out, [9, 9, 9, 9, 1, 2, 3, 4, 9])
-
-
-def test_three_numbers_are_a_vector() -> None:
-    given, out = np.arange(5, dtype=np.float32), np.full(5, 9, np.float32)
-    assert tripled(given, out) == 3
-    np.testing.assert_array_equal(out, [9, 2, 4, 6, 9])
+@pytest.mark.parametrize(
+    ("kernel", "count", "kind", "found"),
+    [(tripled, 3, np.float32, [9, 2, 4, 6, 9]), (copied, 4, np.int32, [9, 9, 9, 9, 1, 2, 3, 4, 9])],
+    ids=["three numbers", "four whole numbers"],
+)
+def test_few_numbers_are_a_vector(kernel: Any, count: int, kind: type, found: list[int]) -> None:
+    out = np.full(len(found), 9, kind)
+    assert kernel(np.arange(len(found), dtype=kind), out) == count
+    np.testing.assert_array_equal(out, found)
 
 
 @njit(error_model="numpy")

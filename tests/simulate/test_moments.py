@@ -10,13 +10,11 @@ import numpy as np
 import pytest
 
 import strandcli
-from strand_kit import groom_of, scene_of, solver_of
+from strand_kit import groom_of, scene_of, solver_of, warned
 from strandcli import simulate
 from strandcli.constants import W
 from strandcli.errors import UsageError
 from strandcli.scene.model import Scene
-from strandcli.simulate import advice
-from strandcli.simulate.advice import warnings
 from strandcli.simulate.rules import wind
 from strandcli.simulate.solver import ANNOUNCED
 from strandcli.simulate.thesis import solver as thesis
@@ -57,7 +55,7 @@ def test_a_step_asks_its_rules_for_its_own_length() -> None:
 
 def test_rods_say_that_they_ignore_it() -> None:
     rods = strandcli.load("headline", settings={"solver": "rod", "time.jitter": 0.5, "emitter.strands": 4})
-    assert any(words.startswith("time.jitter: ignored") for words in warnings(rods, groom_of(rods)))
+    assert any(words.startswith("time.jitter: ignored") for words in warned(rods))
     with pytest.raises(UsageError, match="jitter"):
         scene(1.0)
 
@@ -106,12 +104,10 @@ def test_keys_and_gusts_repeat_before_and_after() -> None:
 
 def test_a_loop_whose_keys_lead_elsewhere_is_told() -> None:
     text = "time: {frames: 48, loop: LOOP}\nemitter: {strands: 3, keys: [{time: 0}, {time: 2, position: [X, 0, 0]}]}\n"
-    there = scene_of(text.replace("LOOP", "true").replace("X", "1"))
-    (words,) = advice.warnings(there, groom_of(there))
+    (words,) = warned(text.replace("LOOP", "true").replace("X", "1"))
     assert words.startswith("emitter: time.loop repeats all motion after 2 s, where its keys have not led back")
     for loop, x in (("true", "0"), ("false", "1")):
-        fine = scene_of(text.replace("LOOP", loop).replace("X", x))
-        assert advice.warnings(fine, groom_of(fine)) == []
+        assert warned(text.replace("LOOP", loop).replace("X", x)) == []
 
 
 SCENES: dict[str, dict[str, Any]] = {

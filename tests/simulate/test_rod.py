@@ -9,10 +9,9 @@ import pytest
 
 import strandcli
 from rod_kit import each_step, take_steps
-from strand_kit import groom_of, scene_of
+from strand_kit import warned
 from strandcli.compiling import runtime
 from strandcli.groom.emit import emit
-from strandcli.simulate import advice
 from strandcli.simulate.rod import solver as rod_solver
 from strandcli.simulate.rod import step as rod_step
 from strandcli.simulate.rod.kernels import work_queue
@@ -155,13 +154,11 @@ def test_the_compiled_step_can_be_kept_in_the_cache() -> None:
 
 
 def test_settings_of_rods_beside_another_solver_are_warned_of() -> None:
-    idle = scene_of("rod: {end: pinned, drag: 2}\n")
-    assert advice.warnings(idle, groom_of(idle)) == [
+    assert warned("rod: {end: pinned, drag: 2}\n") == [
         "rod.end, rod.drag: ignored by solver thesis; set solver: rod to have them act"
     ]
     for fine in ("solver: rod\nrod: {drag: 2}\n", "rod: {drag: 1}\n"):
-        scene = scene_of(fine)
-        assert advice.warnings(scene, groom_of(scene)) == []
+        assert warned(fine) == []
 
 
 def test_brushes_that_are_pressed_together_converge() -> None:

@@ -10,10 +10,9 @@ import pytest
 from numpy.typing import NDArray
 
 from rod_kit import rod_of, take_steps
-from strand_kit import scene_of
+from strand_kit import scene_of, warned
 from strandcli.constants import VECTOR
 from strandcli.groom.blocks import aligned
-from strandcli.groom.emit import emit
 from strandcli.jit import function
 from strandcli.simd import load, store, vector_pointer
 from strandcli.simd.turning import cosine_sine
@@ -135,7 +134,7 @@ def test_curls_of_few_segments_a_turn_are_warned_of() -> None:
             f"solver: rod\nrod: {{rest: {rest}}}\nemitter: {{strands: 16, particles: {particles}, length: 0.3, "
             f"curl_turns: 12, curl_angle: {angle}}}\nrules: [gravity]\n"
         )
-        return [line for line in warnings(scene, emit(scene.emitter, scene.seed)) if "segments a turn" in line]
+        return [line for line in warned(scene) if "segments a turn" in line]
 
     for angle in (10, 56):
         (line,) = told(26, "shape", angle)

@@ -13,6 +13,7 @@ import pytest
 
 import mesh_kit
 from shadow_kit import soft_visibility
+from strand_kit import warned
 from strandcli.constants import W
 from strandcli.draw.common.kernels import batch, surface_batch
 from strandcli.draw.common.kernels.light_columns import LIGHT_SIZE
@@ -192,9 +193,7 @@ def test_roots_inside_are_told(balls: dict[int, Path]) -> None:
     text = STRANDS.format(
         solver="rod", rules="gravity, collision", solid=f"{{kind: mesh, file: {balls[3]}, position: [0, 0.9, 0]}}"
     )
-    scene = loads(text, rules=registry())
-    told = advice.warnings(scene, emit(scene.emitter, scene.seed))
-    assert any("swallows the roots" in line for line in told)
+    assert any("swallows the roots" in line for line in warned(text))
 
 
 def test_the_data_is_made_once_and_follows_the_file(balls: dict[int, Path], tmp_path: Path) -> None:

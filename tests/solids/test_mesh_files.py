@@ -10,14 +10,13 @@ import pytest
 from PIL import Image
 
 import mesh_kit
+from strand_kit import warned
 from strandcli.errors import UsageError
-from strandcli.groom.emit import emit
 from strandcli.mesh_file import needs
 from strandcli.mesh_file.maps import LINEAR, pyramid
 from strandcli.mesh_file.prepared import key_of, mesh_of, prepared, shading_normals
 from strandcli.meshes.make import make_mesh
 from strandcli.scene import SceneError, loads
-from strandcli.simulate import advice
 from strandcli.simulate.rules import registry
 from strandcli.solid_shapes.mesh import Settings
 from tests.solids.test_mesh import STRANDS, settings
@@ -110,8 +109,7 @@ def test_a_wrong_unit_and_an_open_mesh_are_told(tmp_path: Path) -> None:
     vertices, triangles = mesh_kit.ball(3)
     path = mesh_kit.write(tmp_path / "open.obj", vertices * 18, triangles[20:])
     text = STRANDS.format(solver="rod", rules="gravity, collision", solid=f"{{kind: mesh, file: {path}}}")
-    scene = loads(text, rules=registry())
-    told = "\n".join(advice.warnings(scene, emit(scene.emitter, scene.seed)))
+    told = "\n".join(warned(text))
     assert "36.3 m large" in told
     assert "set its scale" in told
     assert "is open" in told

@@ -12,7 +12,7 @@ import pytest
 
 import strandcli
 from cli_runs import Runner
-from strand_kit import groom_of, scene_of
+from strand_kit import groom_of, scene_of, warned
 from strandcli.errors import UsageError
 from strandcli.groom.emit import emit
 from strandcli.simulate import advice, rules
@@ -49,11 +49,9 @@ def test_a_rule_that_rods_do_not_apply_is_refused_where_it_stands(run: Runner, m
 
 
 def test_rods_take_a_preset_of_the_source_and_say_what_they_leave_out() -> None:
-    scene = scene_of("solver: rod\nrules: [gravity, stiffness, elasticity]\nemitter: {strands: 3}\n")
-    (words,) = advice.warnings(scene, groom_of(scene))
+    (words,) = warned("solver: rod\nrules: [gravity, stiffness, elasticity]\nemitter: {strands: 3}\n")
     assert words.startswith("rule stiffness: ignored, rods bend by their material")
-    idle = scene_of("solver: rod\nrules: [stiffness: {strength: 0}]\nemitter: {strands: 3}\n")
-    assert advice.warnings(idle, groom_of(idle)) == []
+    assert warned("solver: rod\nrules: [stiffness: {strength: 0}]\nemitter: {strands: 3}\n") == []
 
 
 @pytest.mark.parametrize("solver", [RodSolver, ThesisSolver])
@@ -80,13 +78,12 @@ def test_a_solid_that_swallows_roots_is_named_with_how_many(kind: str) -> None:
     far = "{kind: sphere, name: far, position: [9, 9, 9]}"
     text = text.replace("BALL", solid.replace("}", ", name: it}")).replace("OTHER", far)
     scene = scene_of(text.replace("SOME", "it, far"))
-    groom = groom_of(scene)
-    (words,) = advice.warnings(scene, groom)
-    depths = advice.depth(groom.roots.astype(np.float64), scene.solids[0], scene.emitter)
+    (words,) = warned(scene)
+    depths = advice.depth(groom_of(scene).roots.astype(np.float64), scene.solids[0], scene.emitter)
     count = int((depths > 0.25).sum())
     assert words.startswith(f"solids.0 (it): swallows the roots of {count} of 200 strands, up to ")
     assert deepest - 0.15 < depths.max() < deepest + 1e-6  # the deepest of 200 roots spread over the sphere
-    assert advice.warnings(scene_of(text.replace("SOME", "far")), groom) == []
+    assert warned(text.replace("SOME", "far")) == []
 
 
 LATER = """
@@ -99,8 +96,7 @@ COMES = "keys: [{time: 0, position: [2, 0, 0], ease: step}, {time: 0.2, position
 
 
 def advised(keys: str, rules: str, keyed: str) -> list[str]:
-    scene = scene_of(LATER.replace("KEYS", keys).replace("RULES", rules).replace("KEYED", keyed))
-    return advice.warnings(scene, groom_of(scene))
+    return warned(LATER.replace("KEYS", keys).replace("RULES", rules).replace("KEYED", keyed))
 
 
 def test_a_solid_that_comes_to_swallow_roots_is_named_with_its_frame() -> None:
@@ -141,11 +137,10 @@ def test_depths_are_distances_to_the_surface(kind: str) -> None:
 def test_a_ball_smaller_than_a_segment_is_named_unless_segments_are_looked_at() -> None:
     text = "emitter: {strands: 9, particles: 3}\nrules: [collision: {segments: SEG}]\n"
     text += "solids: [{kind: sphere, name: pea, radius: 0.2, position: [0, 3, 0]}]\n"
-    scene = scene_of(text.replace("SEG", "false"))
-    (words,) = advice.warnings(scene, groom_of(scene))
+    (words,) = warned(text.replace("SEG", "false"))
     assert words.startswith("solids.0 (pea): its radius of 0.2 m is less than half a segment of 0.5 m")
-    assert advice.warnings(scene_of(text.replace("SEG", "true")), groom_of(scene)) == []
-    assert advice.warnings(scene_of(text.replace("SEG", "false").replace("0.2", "0.3")), groom_of(scene)) == []
+    assert warned(text.replace("SEG", "true")) == []
+    assert warned(text.replace("SEG", "false").replace("0.2", "0.3")) == []
 
 
 @pytest.mark.parametrize(
@@ -160,8 +155,7 @@ def test_a_ball_smaller_than_a_segment_is_named_unless_segments_are_looked_at() 
 )
 def test_segments_are_advised_where_nothing_comes_after_collision(solver: str, rules: str, advice_given: str) -> None:
     text = f"solver: {solver}\nemitter: {{strands: 9, particles: 3}}\nrules: [{rules}]\n"
-    scene = scene_of(text + "solids: [{kind: sphere, radius: 0.2, position: [0, 3, 0]}]\n")
-    (words,) = advice.warnings(scene, groom_of(scene))
+    (words,) = warned(text + "solids: [{kind: sphere, radius: 0.2, position: [0, 3, 0]}]\n")
     assert f"unnoticed; {advice_given}" in words
 
 
@@ -172,20 +166,17 @@ def test_a_single_root_that_is_held_to_the_end_is_told_and_one_that_is_set_free_
     away = "{time: 0, position: [2, 0, 0], ease: step}"
     there = f"time: 0.2, position: [{root[0]}, {root[1]}, {root[2]}], ease: step"
     text = LATER.replace("radius: 0.15", "radius: 0.0501").replace("KEYS", "").replace("RULES", "emitter_motion")
-    scene = scene_of(text.replace("KEYED", f"keys: [{away}, {{{there}}}]"))
-    (words,) = (words for words in advice.warnings(scene, groom_of(scene)) if "swallows" in words)
+    (words,) = (words for words in warned(text.replace("KEYED", f"keys: [{away}, {{{there}}}]")) if "swallows" in words)
     assert words.startswith("solids.0 (ball): from frame 6 on swallows the roots of 1 of 300 strands")
     leaves = "{time: 0.4, position: [2, 0, 0], ease: step}"
-    scene = scene_of(text.replace("KEYED", f"keys: [{away}, {{{there}}}, {leaves}]"))
-    assert not any("swallows" in words for words in advice.warnings(scene, groom_of(scene)))
+    assert "swallows" not in str(warned(text.replace("KEYED", f"keys: [{away}, {{{there}}}, {leaves}]")))
 
 
 def test_strands_too_far_away_for_single_precision_are_told() -> None:
     text = "emitter: {strands: 9, particles: 11, position: [0, -FAR, 5]}\n"
-    scene = scene_of(text.replace("FAR", "1000000"))
-    (words,) = advice.warnings(scene, groom_of(scene))
+    (words,) = warned(text.replace("FAR", "1000000"))
     assert words.startswith("strands are 1e+06 m from the origin, where places are rounded to 0.062 m, 62 % of a segm")
-    assert advice.warnings(scene_of(text.replace("FAR", "1000")), groom_of(scene)) == []
+    assert warned(text.replace("FAR", "1000")) == []
 
 
 @pytest.mark.parametrize("solver", ["rod", "thesis"])
@@ -203,5 +194,4 @@ def test_a_run_goes_on_with_its_roots_swallowed_and_says_so(run: Runner, solver:
 
 @pytest.mark.parametrize("preset", ["hair", "fur", "headline", "minimal", "grass", "ponytail"])
 def test_shipped_presets_need_no_advice(preset: str) -> None:
-    scene = strandcli.load(preset, settings={"emitter.strands": 500})
-    assert advice.warnings(scene, groom_of(scene)) == []
+    assert warned(strandcli.load(preset, settings={"emitter.strands": 500})) == []

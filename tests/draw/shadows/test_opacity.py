@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 from dataclasses import replace
+from typing import Any
 
 import numpy as np
 import pytest
@@ -47,12 +48,15 @@ def maps_of(light: Light, lines: Polylines, thickness: Thickness = WIDE, workers
     return maps
 
 
+def read_by(maps: ShadowMaps, *lights: Light, number: int = 0, bounds: np.ndarray = BOX) -> tuple[Any, ...]:
+    """What a light is looked up in, after a place: the lights as numbers, its own number, and the maps."""
+    packed = pack_lights(lights, maps, bounds)
+    return packed, number, maps.stacks if maps.deep else maps.texels, maps.starts, maps.sizes, maps.packed
+
+
 def depth(maps: ShadowMaps, light: Light, point: np.ndarray) -> float:
     """τ in front of a point that is on no strand."""
-    packed = pack_lights((light,), maps, BOX)
-    x, y, z = np.asarray(point, np.float32)
-    numbers = packed, 0, maps.stacks, maps.starts, maps.sizes, maps.packed
-    return float(optical_depth(x, y, z, np.float32(0), *numbers))
+    return float(optical_depth(*np.float32(point), np.float32(0), *read_by(maps, light)))
 
 
 def test_a_map_counts_projected_area() -> None:
@@ -105,7 +109,6 @@ def test_along_a_ray_nothing_is_uncounted() -> None:
     for aside in (0.0, 0.07, 0.31):
         rising = [depth(maps, SUN, t * np.array(SUN.direction) + [aside, 0, 0]) for t in np.linspace(-1, 1, 60)]
         assert rising[-1] > rising[0] + 0.05
-        print(np.diff(rising).min())
         assert np.diff(rising).min() > -1e-4
 
 
@@ -135,16 +138,13 @@ def test_min_max_and_opacity_maps_stand_side_by_side() -> None:
     plain = DirectionalLight(direction=(0, -1, 0), shadow=Shadow(size=32))
     maps = plan_maps((SUN, plain, LAMP), BOX, Scratch(), WIDE)
     maps.build(lines, 1, Scratch())
-    packed = pack_lights((SUN, plain, LAMP), maps, BOX)
-    assert packed[:, 10].tolist() == [13, 0, 13]
+    assert read_by(maps, SUN, plain, LAMP)[0][:, 10].tolist() == [13, 0, 13]
     alone = plan_maps((plain,), BOX, Scratch())
     alone.build(lines, 1, Scratch())
     np.testing.assert_array_equal(maps.texels, alone.texels)
     point = np.array([0.1, -0.3, 0.0])
     for number, light in ((0, SUN), (2, LAMP)):
-        x, y, z = point.astype(np.float32)
-        numbers = (packed, number, maps.stacks, maps.starts, maps.sizes, maps.packed)
-        here = optical_depth(x, y, z, np.float32(0), *numbers)
+        here = optical_depth(*np.float32(point), np.float32(0), *read_by(maps, SUN, plain, LAMP, number=number))
         assert float(here) == depth(maps_of(light, lines), light, point) > 0
 
 
@@ -169,12 +169,11 @@ def off_by(
     bounds = np.stack([lines.world.min(0), lines.world.max(0)]).astype(np.float64)
     maps = plan_maps((light,), bounds, Scratch(), thickness, spacing)
     maps.build(lines, 1, Scratch())
-    packed = pack_lights((light,), maps, bounds)
-    rest = packed, 0, maps.stacks if maps.deep else maps.texels, maps.starts, maps.sizes, maps.packed
+    numbers = read_by(maps, light, bounds=bounds)
     if maps.deep:
-        found = [left_of(*point, packed[0, 13], *rest) for point in np.float32(points)]
+        found = [left_of(*point, numbers[0][0, 13], *numbers) for point in np.float32(points)]
     else:
-        found = [minmax_transmittance(*point, *rest) for point in np.float32(points)]
+        found = [minmax_transmittance(*point, *numbers) for point in np.float32(points)]
     return np.array(found) - truth
 
 
@@ -204,10 +203,9 @@ def test_where_strands_lie_apart_a_map_is_read_with_a_wider_window() -> None:
         world[:, 0, 2], world[:, 1, 2] = -0.6, 0.6
         lines = Polylines(np.arange(count + 1) * 2, world.reshape(-1, 3))
         maps = maps_of(sun, lines, Thickness(0.01))
-        packed = pack_lights((sun,), maps, BOX)
+        numbers = read_by(maps, sun)
         asked = [np.float32((x, -0.5, 0.01)) for x in np.linspace(-0.3, 0.3, 200)]
-        for width in (np.float32(0), packed[0, 13]):
-            numbers = (packed, 0, maps.stacks, maps.starts, maps.sizes, maps.packed)
+        for width in (np.float32(0), numbers[0][0, 13]):
             spread[apart, width > 0] = np.array([optical_depth(*point, width, *numbers) for point in asked])
     own = 0.375 * 0.01 * maps.views[0].focal / 2
     assert np.abs(spread[0.5, True] + own - spread[0.5, False]).mean() < 0.01
@@ -228,13 +226,12 @@ def test_crowded_strands_let_less_light_through_than_independent_ones() -> None:
     lines = Polylines(np.arange(world[..., 0, 0].size + 1) * 2, world.reshape(-1, 3))
     for share in (0.05, 0.7):
         maps = maps_of(sun, lines, Thickness(share * step))
-        packed = pack_lights((sun,), maps, BOX)
-        numbers = (packed, 0, maps.stacks, maps.starts, maps.sizes, maps.packed)
+        numbers = read_by(maps, sun)
         for y in np.linspace(0.2, -0.1, 40, dtype=np.float32):
             place = np.float32(0.01), y, np.float32(0.02)
             own = 0.375 * share * step * maps.views[0].focal
             independent = float(optical_depth(*place, np.float32(0), *numbers)) - own
-            found = float(optical_depth(*place, packed[0, 13], *numbers))
+            found = float(optical_depth(*place, numbers[0][0, 13], *numbers))
             grown = float(opacity.CROWDED) * share**2 * independent**2
             assert found == pytest.approx(independent + grown, abs=0.005 + 0.35 * grown)
             assert found <= independent * -np.log(1 - share) / share + 1e-3
