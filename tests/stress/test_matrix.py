@@ -119,6 +119,7 @@ def test_lengths_scale_with_strands() -> None:
         scene = scenes.scene_of(case, scenes.times_of(case))
         given = {use.name: use.parameters for use in scene.rules}
         assert given["contact"].thickness == pytest.approx(0.005 * float(L))
+        assert type(given["contact"].iterations) is int  # a count has no length
         assert given["interaction"].cell == pytest.approx(0.2 * float(L))
         assert (scene.rod.young or 0) * (scene.rod.radius or 0) ** 2 / 4 == pytest.approx(float(L) ** 4)
         assert len(scenes.groom_of([case]).roots) == scene.emitter.strands == 4

@@ -75,7 +75,8 @@ def scene_of(case: Case, times: NDArray[np.float64]) -> Scene:
     if case.solver == "thesis":
         rules.append(("elasticity", {}))
     for name, given in case.value("between").items():  # of an L of 1
-        rules.append((name, {key: value * L ** POWERS.get(key, 0) for key, value in given.items()}))
+        scaled = {key: given[key] * L**power for key, power in POWERS.items() if key in given}
+        rules.append((name, given | scaled))
     # radius 2 and density 1 make B / (ρ A) = E R² / (4 ρ) Young's modulus itself
     radius = RADIUS * L if case.grouped else 2.0
     matter: dict[str, Any] = {"rest": "straight", **case.value("twist")}
