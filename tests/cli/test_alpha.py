@@ -37,9 +37,7 @@ def test_animations_without_alpha_are_over_a_colour_that_is_named_or_told(run: R
     assert "webp has no alpha" not in told.err
     with Image.open("a/animation.webp") as film:
         shown = [np.asarray(one.convert("RGBA")) for one in ImageSequence.Iterator(film)]
-    assert [
-        np.abs(one[..., 3].astype(int) - png.read(Path("a", "frame_0001.png"))[..., 3]).max() < 3 for one in shown[:1]
-    ]
+    assert np.abs(shown[0][..., 3].astype(int) - png.read(Path("a", "frame_0001.png"))[..., 3]).max() < 3
     words = ("-o", "b", "-f", "1", "--animate", "gif", "--over", "#ff0000")
     named = run("render", "tiny.yaml", *words, *NONE)
     assert (named.code, "has no alpha" in named.err) == (0, False)
