@@ -17,7 +17,7 @@ import sys
 import threading
 from collections.abc import Sequence
 from pathlib import Path
-from typing import Any, BinaryIO
+from typing import Any, BinaryIO, NoReturn
 
 IDLE = 20.0
 """Seconds without work after which it ends: what it has imported takes 200 MB."""
@@ -56,7 +56,8 @@ def main(settings: str) -> None:
                 os._exit(0)
             continue
         if message[0] == "ahead":
-            children.start(*message[1:])
+            with contextlib.suppress(OSError):  # no process more, or no memory
+                children.start(*message[1:])
         else:
             pickle.dump(_compile(*message[1:]), outbound)
             outbound.flush()
@@ -98,11 +99,7 @@ class Children:
             for mine in parts:
                 child = os.fork()
                 if child == 0:
-                    os.close(self._end)
-                    threading.Thread(target=self._end_with_parent, daemon=True).start()
-                    os.nice(BEHIND)
-                    _ahead(data, mine)
-                    os._exit(0)
+                    self._be_child(data, mine)
                 self._running.append(child)
 
     def busy(self) -> bool:
@@ -118,6 +115,15 @@ class Children:
                 os.kill(child, signal.SIGKILL)
                 os.waitpid(child, 0)
             self._running.clear()
+
+    def _be_child(self, data: bytes, parts: Sequence[str]) -> NoReturn:
+        try:
+            os.close(self._end)
+            threading.Thread(target=self._end_with_parent, daemon=True).start()
+            os.nice(BEHIND)
+            _ahead(data, parts)
+        finally:
+            os._exit(0)
 
     def _end_with_parent(self) -> None:
         os.read(self._ends, 1)
