@@ -63,9 +63,10 @@ def improve(s, at, state, material, drive, step, needs, met, found):
         if not any_lane(chosen) or not (pressed or needs.solids or needs.curled):
             break
         restore(s.begun, at, state, needs)
-        how = min(2 << attempt, MOST_PARTS), pressed
+        least = where(chosen, best, 0.0)
+        how = min(2 << attempt, MOST_PARTS), pressed, least
         bad, error = move_in_parts(s, at, state, material, drive, step, needs, met, how)
-        better = chosen & (bad < best)
+        better = bad < least
         save(s.best, at, state, needs, better, True)
         best, worst, in_parts = where(better, bad, best), where(better, error, worst), in_parts | better
     restore(s.best, at, state, needs)
@@ -76,10 +77,11 @@ def improve(s, at, state, material, drive, step, needs, met, found):
 @device
 def move_in_parts(s, at, state, material, drive, step, needs, met, how):
     """Take the step in parts by Euler's method from where it began, in the frame of the root at the step's end; solids
-    are as at that end. ``how``: in how many parts, and whether solids press and rest shapes follow in the iterations.
-    Returns the greatest badness and error of all parts."""
+    are as at that end, and nothing is left to do once all lanes are as bad as the best so far. ``how``: in how many
+    parts, whether solids press and rest shapes follow in the iterations, and the badness of that best. Returns the
+    greatest badness and error of the parts."""
     contact, (root, shift) = met
-    parts, pressed = how
+    parts, pressed, least = how
     found = Needs(
         needs.curled and pressed, needs.solids and pressed, needs.segments, needs.deforming, needs.pinned, needs.pushed,
         needs.lasting,
@@ -100,6 +102,8 @@ def move_in_parts(s, at, state, material, drive, step, needs, met, how):
         error, depth, near, path = newton.iterate(s, at, state, material, step, found, c, own, root)
         worst = max(worst, error)
         bad = max(bad, badness(s, at, state, error, depth, path))
+        if not any_lane(bad < least):
+            break
         if needs.solids and not pressed:
             find.let_go(s, at.segments)
             near = True
