@@ -1,9 +1,10 @@
-"""Indices that compiled functions are given and find, and an order of tasks in which neighbours are far apart.
+"""Indices and truth values that compiled functions are given and find, and an order of tasks in which neighbours are
+far apart.
 
-For each integer literal Numba would compile a function again. With `np.searchsorted` a cached kernel has Numba import
-its linear algebra before it is run, and that SciPy's: a fifth of a second. Each thread takes a contiguous part of a
-parallel loop: where tasks are parts of a picture or of a groom, one thread would have the sky and another the grass; in
-the order of `task_at` all threads have alike parts of both.
+For each literal of these types Numba would compile a function again. With `np.searchsorted` a cached kernel has Numba
+import its linear algebra before it is run, and that SciPy's: a fifth of a second. Each thread takes a contiguous part
+of a parallel loop: where tasks are parts of a picture or of a groom, one thread would have the sky and another the
+grass; in the order of `task_at` all threads have alike parts of both.
 """
 
 from __future__ import annotations
@@ -15,6 +16,7 @@ import numpy as np
 from . import device, inlined
 
 FIRST, SECOND, THIRD = np.int64(0), np.int64(1), np.int64(2)
+YES, NO = np.True_, np.False_
 TURNS = np.int64(16)
 """Tasks `TURNS` apart follow each other."""
 

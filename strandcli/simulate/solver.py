@@ -139,16 +139,20 @@ class Solver(ABC):
         without solids to collide with; ``residual_max``: `residual`; ``nonfinite``: number of coordinates that are not
         finite. Roots are left out, and of a first segment only the depth in excess of its root's counts.
         """
-        stretch = np.zeros(len(self.positions), np.float32)
-        measure.stretches(self.positions, self.lengths, stretch)
         particle, segment = self._depths(max((frame - 1) / self.scene.time.fps, 0.0))
         return {
-            "stretch_max": float(stretch.max()),
+            "stretch_max": self.stretch(),
             "penetration_max": particle,
             "segment_penetration_max": segment,
             "residual_max": self.residual(),
             "nonfinite": int(np.count_nonzero(~np.isfinite(self.positions[:, 1:]))),
         }
+
+    def stretch(self) -> float:
+        """Return the greatest error of a segment's length, as a share of its rest length."""
+        found = np.zeros(len(self.positions), np.float32)
+        measure.stretches(self.positions, self.lengths, found)
+        return float(found.max())
 
     def _depths(self, time: float) -> tuple[float, float] | tuple[None, None]:
         met = touched(self.scene)

@@ -40,7 +40,7 @@ def look(memory, ends, past, solids, whole, reach):
     s, rows = scratch(memory, 1), fused_vector_pointer(ends)
     root = load3(rows, 0, 1)
     none = root[0] * 0.0, root[0] * 0.0, root[0] * 0.0
-    contact = with_shift(contact_of(solids, None), True, none)
+    contact = with_shift(contact_of(solids), True, none)
     before = search.Past(fused_pointer(past), 3 * W, none)
     return search.nearest(
         s, 0, root, load3(rows, 3, 1), before, contact, (whole, none[0] + reach, none[0] + search.LEAST_SHARE)

@@ -12,9 +12,9 @@ from rod_kit import each_step, take_steps
 from strand_kit import warned
 from strandcli.compiling import runtime
 from strandcli.groom.emit import emit
+from strandcli.jit import tasks
 from strandcli.simulate.rod import solver as rod_solver
 from strandcli.simulate.rod import step as rod_step
-from strandcli.simulate.rod.kernels import work_queue
 from strandcli.simulate.rod.kernels.step import run
 from strandcli.simulate.rod.solver import RodSolver
 from strandcli.study.stress import drive
@@ -88,13 +88,13 @@ def test_a_step_takes_no_more_threads_than_its_caller_has(monkeypatch: pytest.Mo
     solver = solver_of(one)
     runtime.start(1)
     asked: list[int] = []
-    run_workers = work_queue.run_workers
+    run = tasks.Tasks.run
 
-    def watched(code: int, given: Any, queue: Any, workers: int) -> None:
+    def watched(self: Any, count: int, workers: int) -> None:
         asked.append(workers)
-        run_workers(code, given, queue, workers)
+        run(self, count, workers)
 
-    monkeypatch.setattr(work_queue, "run_workers", watched)
+    monkeypatch.setattr(tasks.Tasks, "run", watched)
     solver.step(1 / 30, 1 / 30)
     assert asked == [1]
     runtime.start(2)
@@ -110,7 +110,7 @@ def test_nothing_is_compiled_for_strands_that_do_not_move(monkeypatch: pytest.Mo
         asked.append(str(arguments[0].edges.dtype))
         raise NotImplementedError
 
-    monkeypatch.setattr(work_queue, "address", address)
+    monkeypatch.setattr(tasks, "address", address)
     one = scene(10.0, **{"time.fps": 1e-6, "time.preroll": 2.5})
     solver = solver_of(one)
     solver.advance(1)

@@ -19,6 +19,7 @@ import numpy as np
 
 from ...constants import VECTOR, W
 from ...jit import device, inlined, parallel, prange
+from ...jit.indices import FIRST
 from ...simd import broadcast, lane_count, line_pointer, load, load_triple, pointer, store
 from ...solids.kernels.outside import count as count_solids
 from .child_waves import FIRST_WAVE, TURNING, load_children, write_strands
@@ -39,7 +40,8 @@ def refine(positions, steps, out):
     for s in prange(out.shape[0]):
         block, row = positions[s // W], out[s]
         lane = s % W
-        row[((n - 1) * steps + 2) * 3 :] = ZERO
+        for k in range(((n - 1) * steps + 2) * 3, row.shape[0]):
+            row[k] = ZERO
         for c in range(3):
             k = c * W + lane
             root = block[1, k]
@@ -98,7 +100,7 @@ def write_path(guides, following, i, rows, o):
     the origin."""
     step = lane_count(rows)
     a, b, c = load_triple(pointer(following.roots), np.int64(i) * 3)
-    write_third(guides, following, i, rows, o, 0, a)
+    write_third(guides, following, i, rows, o, FIRST, a)
     write_third(guides, following, i, rows, o, step, b)
     write_third(guides, following, i, rows, o, 2 * step, c)
 

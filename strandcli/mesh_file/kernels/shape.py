@@ -59,7 +59,7 @@ def normal(x, y, z, numbers, data):
     if gx * gx + gy * gy + gz * gz > TINY:
         return 1.0 * gx, 1.0 * gy, 1.0 * gz
     tree = tree_of(data, k)
-    square, _, u, v, row = nearest(tree, x, y, z, np.inf)
+    square, _, u, v, row = nearest(tree, np.float64(x), np.float64(y), np.float64(z), np.inf)
     px, py, pz = place(tree.corners, row, u, v)
     side = -1.0 if d < 0 else 1.0
     if square > 0.0:
@@ -132,9 +132,9 @@ def drawn(tree, x, y, z, before, limit):
         u, v = on_triangle(tree.corners, before, x, y, z)
         if min(min(u, v), 1.0 - u - v) > WITHIN and apart(tree.corners, before, u, v, x, y, z) < limit * limit:
             return u, v, before
-    _, _, u, v, row = nearest(tree, x, y, z, limit * limit)
+    _, _, u, v, row = nearest(tree, np.float64(x), np.float64(y), np.float64(z), np.float64(limit * limit))
     if row < 0:
-        _, _, u, v, row = nearest(tree, x, y, z, np.inf)
+        _, _, u, v, row = nearest(tree, np.float64(x), np.float64(y), np.float64(z), np.inf)
     return u, v, np.int64(row)
 
 
@@ -145,9 +145,9 @@ def drift(x, y, z, numbers, data):
         return 0.0, 0.0, 0.0
     tree = tree_of(data, k)
     limit = abs(distance_and_gradient(grid_of(data, k), x, y, z)[0]) + spacing_of(data, k)
-    _, _, u, v, row = nearest(tree, x, y, z, limit * limit)
+    _, _, u, v, row = nearest(tree, np.float64(x), np.float64(y), np.float64(z), np.float64(limit * limit))
     if row < 0:
-        _, _, u, v, row = nearest(tree, x, y, z, np.inf)
+        _, _, u, v, row = nearest(tree, np.float64(x), np.float64(y), np.float64(z), np.inf)
     past = array_at(np.float64, data.table[k, PAST], (tree.corners.shape[0], 3, 3))
     ax, ay, az = place(past, row, u, v)
     bx, by, bz = place(tree.corners, row, u, v)

@@ -88,11 +88,10 @@ def nearest(bvh, x, y, z, limit):
     """The nearest point of a mesh: squared distance, number of its triangle in the mesh, u, v, and the triangle's place
     in tree order. Where nothing is nearer than `limit`, a squared distance, that is infinite and the numbers -1.
 
-    The point is a + u (b - a) + v (c - a). Of triangles that are as near the lowest number.
+    All of them float64. The point is a + u (b - a) + v (c - a). Of triangles that are as near the lowest number.
     """
-    x, y, z = np.float64(x), np.float64(y), np.float64(z)
     nodes, distances, boxes = local_int32(), local_float64(), pointer(bvh.boxes)
-    best, best_u, best_v, hit, row = np.float64(limit), 0.0, 0.0, -1, -1
+    best, best_u, best_v, hit, row = limit, 0.0, 0.0, -1, -1
     node, waiting, entry = 0, 0, np.float64(0.0)
     while True:
         if entry <= best:
@@ -132,7 +131,7 @@ def closest(bvh, points, near, triangles, shares, distances):
 @device
 def one(bvh, points, p, near, triangles, shares, distances):
     """`closest` of point p."""
-    x, y, z = points[p, 0], points[p, 1], points[p, 2]
+    x, y, z = np.float64(points[p, 0]), np.float64(points[p, 1]), np.float64(points[p, 2])
     squared, triangle, u, v, row = nearest(bvh, x, y, z, np.inf)
     near[p, 0], near[p, 1], near[p, 2] = place(bvh.corners, row, u, v)
     triangles[p] = triangle

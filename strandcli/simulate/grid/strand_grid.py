@@ -20,15 +20,14 @@ from ...constants import W
 from ...errors import UsageError
 from ...groom.blocks import aligned, on_large_pages
 from ...groom.record import Groom
+from ...jit.tasks import Tasks
 from ...scene.rule_type import touched
 from ...solids import Solids
 from ..rod.kernels.arrays import AXES, PACK, State
 from ..rod.material import cell_of, matter, segments_along
-from .kernels import records
-from .kernels.forces import accelerate, act
+from .kernels import records, step
 from .kernels.pressure import find_room, work_shape
 from .kernels.records import FIRST, LANES, LOW, OFFSET, SIZE, Moving, Room, Samples, samples_of
-from .kernels.transfer import deposit
 
 if TYPE_CHECKING:
     from ...scene.model import Scene
@@ -92,7 +91,8 @@ class StrandGrid:
         self.samples = Samples(*found, kind(1 / self.cell), self._origins, kind(0), kind(1))
         self.unloaded, self.pushed = (on_large_pages((packs, n, AXES), dtype) for _ in range(2))
         """As `Moving` has them."""
-        self.memory = np.empty((0, records.CELL), np.float32)
+        self.memory = np.empty(0, np.float32)
+        self._tasks = Tasks(step.run)
         self._cells = np.empty(0, np.float32)
         self.pressure: NDArray[Any] = np.zeros((0, 0, 0), np.float32)
         self._numbers: Any = np.empty(records.NUMBERS, np.float32)
@@ -120,10 +120,19 @@ class StrandGrid:
         kind, whole = type(self.samples.inverse), self.boxes[-1]
         again = kind(moment.step / self._last_step if self._last_step else 1.0)
         samples = self.samples._replace(step=kind(moment.step), again=again)
-        most = deposit(
-            moving, samples, self.parts, self.boxes, self.memory, self.scratch, self.targets, self.grid, self._most,
-            self.near,
+        particles = samples.first[:, None] + np.arange(-1, samples.weights.shape[1] - 1)
+        shares = (samples.mass / samples.step)[:, None] * samples.weights
+        shares /= mass[np.clip(particles, 0, len(mass) - 1)]
+        room = self.room if any(moment.wind) else self._calm
+        cells = step.Cells(
+            self.parts, self.boxes, self.memory, *self.scratch, self.grid, self._most, self.near, room, self._numbers,
+            *self._work, self.pressure.reshape(-1), self.targets, shares, state.acceleration,
         )  # fmt: skip
+        self._tasks.bind((moving, samples, cells))
+        parts, layers = len(self.parts), int(whole[SIZE + 2])
+        self._run(step.DEPOSIT, parts)
+        self._run(step.MERGE, layers)
+        most = self._mark_near()
         self.pressure[~self.near] = 0
         if moment.solids is not None:
             self._find_room(whole, moment.solids)
@@ -133,12 +142,23 @@ class StrandGrid:
             self.density = self.found
         self._started, self._last_step = True, moment.step
         self._set_numbers(moment)
-        room = self.room if any(moment.wind) else self._calm
-        act(whole, self.grid, self.near, room, self._numbers, self._work, self.pressure.reshape(-1), self.targets)
-        particles = samples.first[:, None] + np.arange(-1, samples.weights.shape[1] - 1)
-        shares = (samples.mass / samples.step)[:, None] * samples.weights
-        shares /= mass[np.clip(particles, 0, len(mass) - 1)]
-        accelerate(moving, samples, self.parts, whole, self.targets, self.scratch, shares, state.acceleration)
+        self._run(step.EXCESS, layers)
+        self._run(step.PRESS, step.PRESSES if len(room.left) else 1)
+        self._run(step.TARGETS, layers)
+        self._run(step.ACCELERATE, parts)
+
+    def _run(self, phase: int, tasks: int) -> None:
+        self._tasks.run(tasks, min(tasks, numba.get_num_threads()), phase)
+
+    def _mark_near(self) -> float:
+        """Set whether a row of cells or one of those around it has strands; return the most metres in a cell."""
+        deep, high = self.near.shape
+        some = np.zeros((deep + 2, high + 2), np.bool_)
+        some[1:-1, 1:-1] = self._most > 0
+        self.near[...] = False
+        for o, n in np.ndindex(3, 3):
+            self.near |= some[o : o + deep, n : n + high]
+        return float(self._most.max())
 
     def begin_anew(self) -> None:
         """Forget what moved strands in the last step, for they have been stopped or put elsewhere."""
@@ -189,7 +209,7 @@ class StrandGrid:
             self._cells = aligned((int(1.2 * sum(sizes)),))
         ends = list(accumulate(sizes))
         grid, targets, room, work = (self._cells[a:b] for a, b in pairwise(ends))
-        self.grid, self.targets = grid.reshape(records.CELL, count), targets.reshape(count, records.CELL)
+        self.grid, self.targets = grid.reshape(records.CELL, count), targets
         self.near, self._most = np.empty((deep, high), np.bool_), np.empty((deep, high), np.float32)
         self.room = Room(*room.reshape(columns, count))
         self.room.open[:], self.room.aperture[:] = 1, 1
@@ -219,8 +239,8 @@ class StrandGrid:
             return False
         self._origins[...] = self.cell * (self.boxes[:, LOW : LOW + 3] + 0.5)
         count = self.boxes[-2, OFFSET] + self.boxes[-2, SIZE : SIZE + 3].prod()
-        if count > len(self.memory):
-            self.memory = aligned((int(count * 1.2), records.CELL))
+        if records.CELL * count > len(self.memory):
+            self.memory = aligned((records.CELL * int(count * 1.2),))
         if not np.array_equal(before, self.boxes[-1]):
             self.pressure = moved(self.pressure, before, self.boxes[-1])
             self._empty_grid()

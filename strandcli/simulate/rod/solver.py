@@ -235,15 +235,18 @@ class RodSolver(Solver):
         if self.roots.hinged:
             begin_before_roots(self.positions)
 
-    def errors(self, frame: int) -> dict[str, float | None]:
-        """As for any solver, but stretch of long strands is that of the solver's own edges: of positions in single
-        precision the last digit is 6e-8 m a metre from the origin. `health.errors_between_strands` adds to them."""
-        out = super().errors(frame)
+    def stretch(self) -> float:
+        """As for any solver, but of long strands at the solver's own edges: of positions in single precision the last
+        digit is 6e-8 m a metre from the origin."""
         edges = self.state.edges
-        if edges.shape[1] > FEWEST_BY_EDGES or self.dtype == np.float64:
-            square = (edges.reshape(*edges.shape[:2], 3, PACK) ** 2).sum(2)
-            out["stretch_max"] = float(np.abs(np.sqrt(square) - 1).max())
-        return out | errors_between_strands(self)
+        if edges.shape[1] <= FEWEST_BY_EDGES and self.dtype != np.float64:
+            return super().stretch()
+        square = (edges.reshape(*edges.shape[:2], 3, PACK) ** 2).sum(2)
+        return float(np.abs(np.sqrt(square) - 1).max())
+
+    def errors(self, frame: int) -> dict[str, float | None]:
+        """As for any solver, with those of `health.errors_between_strands`."""
+        return super().errors(frame) | errors_between_strands(self)
 
     def strand_residuals(self) -> NDArray[np.floating]:
         """Errors of an edge's length that the last step's iterations left, as shares: made exact after."""

@@ -9,12 +9,17 @@ that no length reaches.
 
 from __future__ import annotations
 
+import numpy as np
+
 from ....jit import device, inlined
+from ....jit.indices import NO
 from ....simd import any_lane, broadcast, load, load3, sqrt, store, store3, where
 from ....simd.vectors import add_scaled, dot, scaled, select
 from ...rod.kernels.arrays import AXES, PACK, ROW
 from . import law, search
 
+ROOT = np.int64(-1)
+"""Where the scratch has the contact of the root."""
 SETTLED, CREEP = 0.5, 0.3
 """Depth, height and error of slip of what touches, in segments, with which iterations end, over that of |e|²."""
 UNITS = 20
@@ -137,8 +142,8 @@ def contacts(s, at, state, material, c, contact, needs, root, step, patience):
 def gap_of_root(s, root, past, contact, length):
     """The gap of the root, metres."""
     zero = broadcast(length, 0.0)
-    if search.nearest(s, -1, root, root, past, contact, (False, length, length)):
-        return load(s.gap, -1)
+    if search.nearest(s, ROOT, root, root, past, contact, (NO, length, length)):
+        return load(s.gap, ROOT)
     return zero
 
 
@@ -271,7 +276,7 @@ def search_out(s, j, start, d, c, contact, past, lanes):
     slack = SLACK * length + COORDINATES * (abs(start[0]) + abs(start[1]) + abs(start[2]))
     for _ in range(ROUNDS):
         end = add_scaled(start, length, d)
-        if not search.nearest(s, j, start, end, past, contact, (False, zero, zero)):
+        if not search.nearest(s, j, start, end, past, contact, (NO, zero, zero)):
             break
         inside = lanes & (load(s.gap, j) < -slack)
         if not any_lane(inside):

@@ -16,7 +16,19 @@ from numba.core import types
 from ....constants import W
 from ....jit import device, inlined
 from ....jit.pruned import by_type
-from ....simd import any_lane, broadcast, lane, lane_count, load, load3, sqrt, store, store3, where, with_lane
+from ....simd import (
+    any_lane,
+    broadcast,
+    lane,
+    lane_count,
+    load,
+    load3,
+    sqrt,
+    store,
+    store3,
+    where,
+    with_lane,
+)
 from ....simd.vectors import add_scaled, dot, less, scaled, select
 from ....solids import COLUMNS
 from ....solids.custom import REACH, X, Y, Z
@@ -45,11 +57,21 @@ class Contact(NamedTuple):
     planes: Any
     boxes: Any
     custom: Any
-    """Meshes and SDF shapes, as `custom` takes them, or None."""
+    """`Custom`, or None."""
     moved: Any
     """Whether solids have moved since the particles were where they are."""
     shift: Any
     """(3) displacement of the root in the step, metres."""
+
+
+class Custom(NamedTuple):
+    """Meshes and SDF shapes."""
+
+    all: Any
+    """Rows and data, as `strandcli.solids.custom.together` has them."""
+    last: Any
+    columns: Any
+    """Numbers of all rows, and of one."""
 
 
 class Past(NamedTuple):
@@ -191,7 +213,7 @@ def nearest_custom(s, j, near, start, end, past, contact, options):
     kind = dict(zip(contact.fields, contact.types, strict=True))["custom"]
     if isinstance(kind, types.NoneType):
         return lambda s, j, near, start, end, past, contact, options: near
-    drifts = None if kind.instance_class.shapes.drift is None else True
+    drifts = None if kind[0].instance_class.drift is None else True
     return lambda s, j, near, start, end, past, contact, options: among(
         s, j, near, start, end, past, contact, options, drifts
     )

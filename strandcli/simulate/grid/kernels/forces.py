@@ -10,7 +10,8 @@ from __future__ import annotations
 
 import numpy as np
 
-from ....jit import device, parallel, prange
+from ....jit import device
+from ....jit.indices import FIRST, SECOND, THIRD
 from ....simd import (
     any_lane,
     broadcast,
@@ -28,7 +29,7 @@ from ....simd import (
 from ....simd.vectors import add_scaled, dot, less, scaled
 from ...rod.kernels.arrays import AXES, PACK
 from . import records as rec
-from .pressure import BETWEEN_ONLY, HELD, WIDELY, find_excess, limit, moved, relax
+from .pressure import BETWEEN_ONLY, HELD, WIDELY, moved
 from .records import beside
 from .transfer import cell_of, locate, three, weights_along
 
@@ -43,26 +44,6 @@ FARTHEST = np.float32(1e4)
 
 EMPTY = np.float32(1e-30)
 """Metres in a cell up to which it is empty."""
-
-
-@parallel
-def act(box, grid, near, room, numbers, work, pressure, targets):
-    """Set ``pressure`` (cells,), from that of the step before, and ``targets`` (cells, `CELL`).
-
-    ``near``, ``work``: as `pressure.relax` takes them, the latter with what that calls live; ``numbers``
-    (`NUMBERS`,) float32. A thread finds pressure while another finds shelter. What rows hold that are not ``near``
-    is neither set nor read."""
-    margined, live = work
-    for o in prange(box[rec.SIZE + 2]):
-        find_excess(box, np.int64(o), near, grid, room, pressure, numbers)
-    for task in prange(2):
-        if task == 0:
-            relax(box, room, near, margined, live, pressure)
-            limit(box, grid, room, numbers, live[1], pressure)
-        elif len(room.left) > 0:
-            shelter(box, grid[rec.MASS], numbers, room.left, room.behind)
-    for o in prange(box[rec.SIZE + 2]):
-        find_targets(box, np.int64(o), near, grid, room, numbers, pressure, targets)
 
 
 @device
@@ -149,17 +130,14 @@ def pushes(all, sides, between):
     return push * BETWEEN_ONLY * next, push * WIDELY * (next + past)
 
 
-@parallel
-def accelerate(moving, samples, parts, box, targets, work, shares, accelerations):
-    """Set the ``accelerations`` of particles (P, N, 3 S), and what `note` does. ``work``: scratch, as
-    `transfer.deposit` takes it; ``shares`` (samples, greatest count): of a sample's change that its particles have,
-    1/s."""
-    scratch, found = work
-    for part in prange(len(parts)):
-        for pack in range(parts[part, rec.FIRST], parts[part, rec.LAST]):
-            rows = scratch[part], found[part]
-            accelerate_pack(moving, samples, (pack, pack + 1), box, targets.reshape(-1), rows, shares, accelerations)
-            note(moving, samples, pack, accelerations)
+@device
+def accelerate_part(moving, samples, part, cells):
+    """Set the accelerations of particles of a part of the strands, and what `note` does."""
+    work, box = (cells.scratch[part], cells.found[part]), cells.boxes[len(cells.parts)]
+    for pack in range(cells.parts[part, rec.FIRST], cells.parts[part, rec.LAST]):
+        packs = pack, pack + 1
+        accelerate_pack(moving, samples, packs, box, cells.targets, work, cells.shares, cells.accelerations)
+        note(moving, samples, pack, cells.accelerations)
 
 
 @device
@@ -207,9 +185,9 @@ def share_out(samples, pack, sample, rows, shares, begun, accelerations):
 @device
 def blend(cells, at, wide, layer, a, c, d):
     """The columns of targets interpolated between eight cells, of which ``at`` is the first."""
-    x, x_next = weights_along(cells, 0, a)
-    y, y_next = weights_along(cells, 1, c)
-    z, z_next = weights_along(cells, 2, d)
+    x, x_next = weights_along(cells, FIRST, a)
+    y, y_next = weights_along(cells, SECOND, c)
+    z, z_next = weights_along(cells, THIRD, d)
     sums = y * z * blend_row(cells, at, x, x_next)
     sums += y_next * z * blend_row(cells, at + wide, x, x_next)
     sums += y * z_next * blend_row(cells, at + layer, x, x_next)

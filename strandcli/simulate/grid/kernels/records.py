@@ -132,6 +132,8 @@ class Room(NamedTuple):
     """The same behind the cell."""
 
 
+LIVE = 1
+"""Row of what tells whether rows of cells have pressure, after that of whether their excess is positive."""
 REACH = 2
 """Cells on either side that are looked at."""
 WITHIN = np.concatenate([np.zeros(REACH), np.ones(2 * LANES), np.zeros(REACH)]).astype(np.float32)

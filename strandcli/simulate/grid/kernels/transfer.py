@@ -11,7 +11,8 @@ from __future__ import annotations
 import numpy as np
 
 from ....constants import W
-from ....jit import device, parallel, prange
+from ....jit import device
+from ....jit.indices import FIRST, SECOND, THIRD
 from ....simd import (
     broadcast,
     floor,
@@ -37,27 +38,15 @@ OWN[np.arange(3), rec.BETWEEN + np.arange(3)] = 1
 REST = 1 - OWN
 
 
-@parallel
-def deposit(moving, samples, parts, boxes, memory, work, sums, grid, most, near):
-    """Set the cells of the box of all, ``grid`` (`CELL`, cells), the ``most`` metres in a cell of each row of them
-    (cells along z, along y), and whether strands are ``near``: in it or in one of the eight around. Returns the most
-    of all.
-
-    Each part has cells in a box of its own first: ``boxes`` (parts + 1, `BOX`) int64, the last that of all;
-    ``memory`` (cells of all parts, `CELL`). Scratch: ``work``, `ROWS` and `FOUND` numbers for each strand of a pack,
-    for each part; ``sums`` (cells, `CELL`) float32."""
-    scratch, found = work
-    for part in prange(len(parts)):
-        box = boxes[part]
-        own = memory[box[rec.OFFSET] : box[rec.OFFSET] + box[rec.SIZE] * box[rec.SIZE + 1] * box[rec.SIZE + 2]]
-        own[...] = 0
-        for pack in range(parts[part, rec.FIRST], parts[part, rec.LAST]):
-            rows = scratch[part], found[part]
-            deposit_pack(moving, samples, pack, box, samples.origins[part], own.reshape(-1), rows)
-    whole = boxes[len(parts)]
-    for o in prange(whole[rec.SIZE + 2]):
-        merge_layer(boxes, np.int64(o), memory.reshape(-1), sums.reshape(-1), grid, most)
-    return mark_near(most, near)
+@device
+def deposit_part(moving, samples, part, cells):
+    """Set the cells that a part of the strands has, in a box of its own."""
+    box, work = cells.boxes[part], (cells.scratch[part], cells.found[part])
+    first, count = rec.CELL * box[rec.OFFSET], rec.CELL * box[rec.SIZE] * box[rec.SIZE + 1] * box[rec.SIZE + 2]
+    own = cells.memory[first : first + count]
+    own[...] = 0
+    for pack in range(cells.parts[part, rec.FIRST], cells.parts[part, rec.LAST]):
+        deposit_pack(moving, samples, pack, box, samples.origins[part], own, work)
 
 
 @device
@@ -77,9 +66,9 @@ def deposit_pack(moving, samples, pack, box, origins, grid, work):
         store_records(pointer(found), 0, (m, m * u, m * v, m * w, m, m, m, m * 0.0))
         for k in range(PACK):
             a, c, d = three(rows, rec.SHARE, k)
-            x, x_next = weights_along(cells, 0, a)
-            y, y_next = weights_along(cells, 1, c)
-            z, z_next = weights_along(cells, 2, d)
+            x, x_next = weights_along(cells, FIRST, a)
+            y, y_next = weights_along(cells, SECOND, c)
+            z, z_next = weights_along(cells, THIRD, d)
             columns = load(each, k * rec.CELL)
             x *= columns
             x_next *= columns
@@ -216,17 +205,3 @@ def add_rows(boxes, o, n, memory, line):
                 load(line, (at + i) * rec.CELL) + load(memory, (source + i) * rec.CELL),
             )
     return found
-
-
-@device
-def mark_near(most, near):
-    """Set whether a row of cells or one of those around it has strands; return the most metres in a cell."""
-    deep, high = most.shape
-    greatest = np.float32(0)
-    near[...] = False
-    for o in range(deep):
-        for n in range(high):
-            greatest = max(greatest, most[o, n])
-            if most[o, n] > 0:
-                near[max(o - 1, 0) : o + 2, max(n - 1, 0) : n + 2] = True
-    return greatest

@@ -4,6 +4,7 @@ from __future__ import annotations
 
 from ....constants import W
 from ....jit import device, inlined
+from ....jit.indices import FIRST, SECOND, THIRD
 from ....simd import load, load3, no_fma, store, store3, where
 from ....simd.vectors import add_scaled, less, scaled, sum_of
 from .arrays import AXES, PACK, ROW, Coefficients
@@ -92,7 +93,10 @@ def begin(s, at, state, needs, c, shift):
         store3(s.damped, 3 * j, 1, x, y, z)
         store3(s.rest, 3 * j, 1, x, y, z)
         before = edge
-        x, y, z = predict(state, needs, c, row, 0), predict(state, needs, c, row, 1), predict(state, needs, c, row, 2)
+        x, y, z = (
+            predict(state, needs, c, row, FIRST), predict(state, needs, c, row, SECOND),
+            predict(state, needs, c, row, THIRD),
+        )  # fmt: skip
         store3(s.free, 3 * j, 1, x, y, z)
         store3(s.inertial, 3 * j, 1, x, y, z)
 

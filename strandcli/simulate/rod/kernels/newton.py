@@ -21,6 +21,7 @@ y_{j−1}|² <= 2 |y_j|² + 2 |y_{j−1}|²); ρ has the true τ, and edges go b
 from __future__ import annotations
 
 from ....jit import device, inlined
+from ....jit.indices import FIRST, NO, SECOND, THIRD
 from ....simd import any_lane, broadcast, load, load3, sqrt, store, store3, where
 from ....simd.vectors import combined, dot, less, scaled, select, sum_of
 from ...contact.kernels import find
@@ -61,7 +62,7 @@ def iterate(s, at, state, material, step, needs, c, contact, root):
     if needs.curled:
         rest_shape.begin(s, at, state, material, step, c)
     zero = indefinite = broadcast(s.pivot, 0.0)  # lanes whose H is not definite, or has not been in this step: above 0
-    lost = factorise(s, n, material, stiffness, False, False, whole, zero)
+    lost = factorise(s, n, material, stiffness, False, touching, whole, zero)
     worst, total, change = apply_change(s, n)
     depth, near, path = worst * 0.0, False, sqrt(change)
     single_share, mean_share = min(1.0, FINE / n), EVEN / n
@@ -85,7 +86,7 @@ def iterate(s, at, state, material, step, needs, c, contact, root):
         if far:
             retract(s, n, (indefinite > 0.0) | (worst > FAR))
         if needs.curled:
-            rest_shape.update(s, at, state, material, step, c, False)
+            rest_shape.update(s, at, state, material, step, c, NO)
         if compressed:
             factorise(s, n, material, stiffness, False, touching, whole, zero)
         elif far or moved or needs.curled:
@@ -200,9 +201,9 @@ def sweep_to_root(s, n, material, stiffness, changed, factored, touching, whole,
             store(s.pivot, j, i)
             store(s.edge_factor, j, f)
             store(s.particle_factor, j, h)
-        x = set_load(s, j, 0, t, mass, k, (p[0], q[0], bend[0], force[0]))
-        y = set_load(s, j, 1, t, mass, k, (p[1], q[1], bend[1], force[1]))
-        z = set_load(s, j, 2, t, mass, k, (p[2], q[2], bend[2], force[2]))
+        x = set_load(s, j, FIRST, t, mass, k, (p[0], q[0], bend[0], force[0]))
+        y = set_load(s, j, SECOND, t, mass, k, (p[1], q[1], bend[1], force[1]))
+        z = set_load(s, j, THIRD, t, mass, k, (p[2], q[2], bend[2], force[2]))
         p, q, bend, force = (x[0], y[0], z[0]), (x[1], y[1], z[1]), (x[2], y[2], z[2]), (x[3], y[3], z[3])
     return lost
 

@@ -9,6 +9,7 @@ from __future__ import annotations
 
 from ....constants import W
 from ....jit import device, inlined
+from ....jit.indices import NO
 from ....simd import any_lane, broadcast, load, load3, store, store3, where
 from ....simd.vectors import add_scaled, scaled
 from ...contact.kernels import find
@@ -26,8 +27,9 @@ RIGHT = 0.95
 """Least change of an edge, before it is brought to unit length, that turns it by a right angle, rounded down."""
 TURNED = 2.0
 """Badness of a step in which an edge has turned by more than a right angle."""
-MOST_PARTS, ATTEMPTS = 8, 4
-"""Parts at the most, and attempts: in 2, 4 and 8, and in 8 by rest shapes of their begin without forces of solids."""
+MOST_PARTS, LAST = 8, 4
+"""Parts at the most, and the last attempt: after a whole step and 2, 4 and 8 parts another one in 8, by rest
+shapes of their begin without forces of solids."""
 SAVED = 24
 """Numbers of a segment's state that are saved: five vectors, and from these places on the rest."""
 POSITION, FORCE, TENSION, SHARE, TWIST = 15, 18, 21, 22, 23
@@ -49,67 +51,48 @@ def badness(s, at, state, worst, depth, path):
 
 
 @device
-def improve(s, at, state, material, drive, step, needs, met, found):
-    """Take the step again in parts where it is bad, and keep the best. ``met``: `Contact`, and the place of the root at
-    the end and its displacement; ``found``: badness and worst error of the whole step, which the state holds. Returns
-    the worst errors."""
-    best, worst = found
-    in_parts = best < 0.0
-    restart = load(state.restart, at.strand)
-    save(s.best, at, state, needs, best >= 0.0, True)
-    for attempt in range(ATTEMPTS):
-        pressed = attempt < ATTEMPTS - 1
-        chosen = best > 1.0 if pressed else (best > 1.0) & (worst > (GRAVE if needs.curled else LOST))
-        if not any_lane(chosen) or not (pressed or needs.solids or needs.curled):
-            break
-        restore(s.begun, at, state, needs)
-        least = where(chosen, best, 0.0)
-        how = min(2 << attempt, MOST_PARTS), pressed, least
-        bad, error = move_in_parts(s, at, state, material, drive, step, needs, met, how)
-        better = bad < least
-        save(s.best, at, state, needs, better, True)
-        best, worst, in_parts = where(better, bad, best), where(better, error, worst), in_parts | better
-    restore(s.best, at, state, needs)
-    store(state.restart, at.strand, where(in_parts, 1.0, restart))
-    return worst
-
-
-@device
-def move_in_parts(s, at, state, material, drive, step, needs, met, how):
-    """Take the step in parts by Euler's method from where it began, in the frame of the root at the step's end; solids
-    are as at that end, and nothing is left to do once all lanes are as bad as the best so far. ``how``: in how many
-    parts, whether solids press and rest shapes follow in the iterations, and the badness of that best. Returns the
-    greatest badness and error of the parts."""
+def attempt(s, at, state, material, drive, step, needs, met, how):
+    """Take the step, whole or in several parts by Euler's method from where it began. Parts are taken in the frame of
+    the root at the step's end; solids are as at that end. ``how``: in how many parts, whether solids press and rest
+    shapes follow in the iterations, the pack of which finishing prefetches the state, and the badness of the best step
+    so far: parts end once all lanes are as bad. Returns the greatest badness and error of the parts. Where a whole step
+    is bad it leaves in the scratch what it began with."""
     contact, (root, shift) = met
-    parts, pressed, least = how
+    parts, pressed, next_pack, least = how
     found = Needs(
         needs.curled and pressed, needs.solids and pressed, needs.segments, needs.deforming, needs.pinned, needs.pushed,
         needs.lasting,
     )  # fmt: skip
-    rate = 1.0 / step.duration
+    whole = parts == 1
     bad = worst = broadcast(s.pivot, 0.0)
     still = bad, bad, bad
-    frame = scaled(rate, shift)
+    frame, moved, aimed = still, shift, still
+    if not whole:
+        frame, moved, aimed = scaled(1.0 / step.duration, shift), still, shift
+        add_velocity(at, state, scaled(-1.0, frame))
     c = begin.coefficients_of(at, state, material, drive, step, needs, parts, frame)
-    add_velocity(at, state, scaled(-1.0, frame))
     for i in range(parts):
-        begin.begin(s, at, state, needs, c, still)
+        begin.begin(s, at, state, needs, c, moved)
         if needs.pinned:
-            begin.aim_tip(s, at, drive, c, parts, shift)
+            begin.aim_tip(s, at, drive, c, parts, aimed)
         own = with_shift(contact, i == 0, shift if i == 0 else still)
         if needs.curled and not pressed:
             rest_shape.begin(s, at, state, material, step, c)
         error, depth, near, path = newton.iterate(s, at, state, material, step, found, c, own, root)
         worst = max(worst, error)
         bad = max(bad, badness(s, at, state, error, depth, path))
-        if not any_lane(bad < least):
+        if not (whole or any_lane(bad < least)):
             break
         if needs.solids and not pressed:
             find.let_go(s, at.segments)
             near = True
-        finish.finish(s, at, at.strand // PACK, state, material.bends, step, needs, c, (own, near), still)
-        add_to_means(s, at, state, needs, (i, parts))
-    add_velocity(at, state, frame)
+        if whole and any_lane(bad > 1.0):
+            copy(s.begun, at, state, needs, bad >= 0.0, NO, NO)
+        finish.finish(s, at, next_pack, state, material.bends, step, needs, c, (own, near), moved)
+        if not whole:
+            add_to_means(s, at, state, needs, (i, parts))
+    if not whole:
+        add_velocity(at, state, frame)
     return bad, worst
 
 
@@ -152,20 +135,8 @@ def add_to_means(s, at, state, needs, part):
 
 
 @device
-def save(saved, at, state, needs, lanes, twist):
-    """Save the state of some lanes, and their ``twist`` or not."""
-    copy(saved, at, state, needs, lanes, twist, False)
-
-
-@device
-def restore(saved, at, state, needs):
-    """Restore the state that was saved."""
-    copy(saved, at, state, needs, load(saved, 0) > 0.0, True, True)
-
-
-@inlined
 def copy(saved, at, state, needs, lanes, twist, back):
-    """Copy the state of some lanes to where it is ``saved``, or ``back``."""
+    """Copy the state of some lanes, with the ``twist`` or without, to where it is ``saved``; or all ``back``."""
     vectors = state.edges, state.velocity, state.before, state.ahead, state.moved
     for j in range(at.segments):
         row, number, o = at.edge + j * AXES, at.number + j * PACK, SAVED * j

@@ -19,6 +19,7 @@ from __future__ import annotations
 
 from ....constants import FOLD
 from ....jit import device, inlined
+from ....jit.indices import YES
 from ....simd import any_lane, broadcast, load, load3, sqrt, store, store3, where
 from ....simd.turning import cosine_sine
 from ....simd.vectors import add_scaled, combined, cross, dot, less, matrix_product, scaled, select, sum_of
@@ -42,7 +43,7 @@ def begin(s, at, state, material, step, c):
     """`update` for the first time in a step, by the edges that there will be if they change as in the step before: rest
     shapes follow iterates slowly."""
     change_edges(s, at, state, c, 1.0)
-    update(s, at, state, material, step, c, True)
+    update(s, at, state, material, step, c, YES)
     change_edges(s, at, state, c, -1.0)
 
 

@@ -91,7 +91,7 @@ class Scratch(NamedTuple):
     contact_gain: Any
     """(18) Kalman gains of the segment's own particle and edge, three observations."""
     begun: Any
-    """(24) state of the segment when the step began, for a step in parts; as `parts.save` has it."""
+    """(24) state of the segment when the step began, for a step in parts; as `parts.copy` has it."""
     best: Any
     """(24) the same of the best step so far."""
     mean: Any
