@@ -21,7 +21,7 @@ help:
 	@echo "make coverage   lines of drivers that tests run without Numba's compiler"
 	@echo "make bounds     every index in every kernel looked at, in small scenes of all presets; minutes"
 	@echo "make wheel      a wheel with the kernels of all presets, or of PACKED=minimal: out/wheel"
-	@echo "make kernel-costs   which kernels each preset needs and how long they compile, for the progress line; a quarter of an hour"
+	@echo "make kernel-costs   which kernels each preset needs and how long they compile, for the progress line; ten minutes"
 	@echo "make threads    pictures of all presets with 1, 2, 3 and 4 threads have the same bits"
 	@echo "make docs       the documentation as a site: out/docs/index.html"
 	@echo "make figures    every figure of the thesis on one sheet: out/figures/sheet.png"

@@ -59,6 +59,12 @@ def quota(root: Path = ROOT, group: Path = Path("/proc/self/cgroup")) -> float |
     return min(found, default=None)
 
 
+def compilers() -> int:
+    """Processes that may compile at once: as many as ``STRANDCLI_COMPILERS`` says, else one a core that may be used."""
+    asked = os.environ.get("STRANDCLI_COMPILERS", "")
+    return int(asked) if asked.isdecimal() else min(cores(), max(1, int(quota() or cores())))
+
+
 def memory(root: Path = ROOT, group: Path = Path("/proc/self/cgroup")) -> int | None:
     """Bytes of memory that the process's groups may hold; None where there is no such limit."""
     return min((limit for limit, _ in _memory(root, group)), default=None)

@@ -1,7 +1,8 @@
 """The seconds that a process has waited for kernels to be compiled, and how many it waits for.
 
 Counted by strandcli's own dispatchers: Numba's events would tell of every function of the process. `COSTS` lists which
-kernels the shipped presets need, and the seconds that compiling each took where `make kernel-costs` ran.
+kernels the shipped presets need, and the seconds that compiling each took where `make kernel-costs` ran, on one core;
+where there are more, a run waits for about half.
 """
 
 from __future__ import annotations
@@ -14,6 +15,8 @@ from collections.abc import Callable, Iterator
 from contextlib import contextmanager
 from pathlib import Path
 from typing import Any
+
+from ..common import limits
 
 Notify = Callable[[str], None]
 COSTS = Path(__file__).with_name("costs.json")
@@ -81,7 +84,7 @@ class Clock:
             return self.ready.total() + 1, 0, 0.0
         ready = self.ready.copy()
         reached = ready + Counter([present[0]])
-        pace = (self.seconds + PRIOR) / (seconds_of(ready) + PRIOR)
+        pace = (self.seconds + PRIOR / min(max(limits.compilers(), 1), 2)) / (seconds_of(ready) + PRIOR)
         now, later = seconds_of(expected - ready), seconds_of(expected - reached)
         left = max(pace * now - (time.perf_counter() - present[1]), pace * later)
         return reached.total(), (expected | reached).total(), left

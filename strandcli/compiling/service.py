@@ -138,7 +138,7 @@ class Service:
 
     def _begin_ahead(self, scene: Scene, most: int) -> None:
         self._pending = None
-        children = min(most_workers(), most, len(PARTS))
+        children = min(limits.compilers(), most, len(PARTS))
         if not self._usable() or children < 2:
             return
         try:
@@ -183,7 +183,7 @@ class Service:
             self._process = os.getpid()
             self._worker = None
             atexit.register(self.stop)
-        if not self.enabled or most_workers() < 1:
+        if not self.enabled or limits.compilers() < 1:
             return False
         return "python" in Path(sys.executable or "").name and not getattr(sys, "frozen", False)
 
@@ -192,12 +192,6 @@ class Service:
         if self._failures == FAILURES:
             folder.cache.tell(ALONE)
         self.enabled = self.enabled and self._failures < FAILURES
-
-
-def most_workers() -> int:
-    """As many as ``STRANDCLI_COMPILERS`` says, else one a core that this process may use."""
-    asked = os.environ.get("STRANDCLI_COMPILERS", "")
-    return int(asked) if asked.isdecimal() else min(limits.cores(), max(1, int(limits.quota() or limits.cores())))
 
 
 def nothing_compiled() -> bool:
