@@ -21,7 +21,7 @@ from ..common.counted import counted
 from ..common.extras import install
 from ..compiling.folder import ENTRY, MOST_BYTES, cache
 from ..compiling.runtime import checked_threads, cpu_name, require_addresses
-from ..compiling.stores import Pack
+from ..compiling.stores import Pack, writers
 from ..errors import RefusedError, UsageError
 from ..output.files import megabytes
 
@@ -36,6 +36,10 @@ WIDE = ("avx512f", "avx2", "avx", "sse4.2", "sve", "neon")
 """Vector instructions, widest first."""
 LEAST_MEMORY, LEAST_DISK = 1_000_000_000, 500_000_000
 """Bytes: a frame of a shipped preset takes 600 MB of memory and less."""
+FIRST_BYTES = b"strandcli kernel "
+"""Of every kernel's file."""
+LEAST_BYTES = 1000
+"""The smallest kernel has some ten thousand; a file cut short by a full disk or a crash has fewer."""
 
 
 class Finding(NamedTuple):
@@ -229,6 +233,11 @@ def _folder(folder: Path, writable: bool = True) -> Finding:
     entries = [one for one in folder.iterdir() if ENTRY.fullmatch(one.name)]
     size = sum(one.lstat().st_size for one in entries)
     text = f"{folder}: {counted(len(entries), 'kernel or module', 'kernels and modules')}, {megabytes(size)}"
+    broken = [one for one in entries if damaged(one, folder.stat())]
+    if broken:
+        text += f"; {len(broken)} not used, such as {broken[0].name}: damaged, or writable by other users"
+        remedy = "have who may write there remove them and run 'strandcli warmup PRESET'"
+        return Finding("cache", NOTE, text, "nothing: they are compiled anew when needed" if writable else remedy)
     if not writable:
         text += "; they are read, and cannot be written"
         advice = "nothing where all is there that is drawn; else have who may write there run 'strandcli warmup PRESET'"
@@ -236,3 +245,19 @@ def _folder(folder: Path, writable: bool = True) -> Finding:
     text += "" if entries else "; the first run compiles, about a minute"
     full = "nothing: what was not used for longest is removed once a day"
     return judged("cache", text, (size > MOST_BYTES, NOTE, full))
+
+
+def damaged(entry: Path, folder: os.stat_result) -> bool:
+    """Whether an entry is not used, for it clearly is none, or more than the owner of its folder may change it; a run
+    looks closer, at a hash of its content."""
+    try:
+        if writers(entry.lstat(), folder.st_uid):
+            return True
+        if entry.suffix != ".kernel":
+            return False
+        if not entry.is_file() or entry.stat().st_size < LEAST_BYTES:
+            return True
+        with entry.open("rb") as file:
+            return file.read(len(FIRST_BYTES)) != FIRST_BYTES
+    except OSError:
+        return True

@@ -34,7 +34,7 @@ from strandcli.output import animation, png
 from strandcli.output.compare import write_image
 from strandcli.output.png import over
 from strandcli.run import pipeline
-from tests.run.test_checkpoints import SMALL, Steps
+from tests.run.test_checkpoints import SMALL, counted_steps
 
 SIZES = st.tuples(st.integers(1, 40), st.integers(1, 40))
 
@@ -141,7 +141,7 @@ def test_watch_simulates_again_only_what_moves_strands(tmp_path: Path) -> None:
     found = []
     for more in changes:
         scene = load("hair", settings={**SMALL, **more})
-        with Steps() as steps:
+        with counted_steps() as steps:
             image, _ = _drawn(scene, 3, given, tmp_path)
         found.append(steps.count)
         (plain,) = pipeline.render(scene, [3], threads=1)

@@ -101,15 +101,19 @@ def test_fewer_cores_than_threads_are_told(monkeypatch: pytest.MonkeyPatch) -> N
     assert found.state == OK
 
 
-def test_the_kernels_folder_tells_how_many_there_are(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
+def test_the_kernels_folder_tells_damage(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
     tmp_path.chmod(0o700)
     monkeypatch.setattr(cache, "_path", tmp_path)
     monkeypatch.setattr(cache, "_trouble", None)
     good = tmp_path / f"a.b-{'0' * 24}.kernel"
-    good.write_bytes(bytes(2000))
+    good.write_bytes(doctor.FIRST_BYTES + bytes(2000))
     (tmp_path / "another file").write_text("not strandcli's")
     (found,) = doctor.kernels()
     assert (found.state, "1 kernel or module," in found.text) == (OK, True)
+    for content in (b"", doctor.FIRST_BYTES, bytes(3000)):
+        good.with_name(f"a.c-{'1' * 24}.kernel").write_bytes(content)
+        (found,) = doctor.kernels()
+        assert (found.state, "1 not used" in found.text) == (NOTE, True)
     monkeypatch.setattr(cache, "_trouble", "kernels cannot be kept")
     (found,) = doctor.kernels()
     assert found == Finding("cache", NOTE, "kernels cannot be kept")
