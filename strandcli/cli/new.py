@@ -35,8 +35,8 @@ def command(name: Path, groom: Path | None, head: Path | None, overwrite: bool, 
     """
     path = preset_file(name)
     options.refuse_existing(path, overwrite)
-    from .. import new_preset as new
     from ..output.files import write_pieces
+    from . import new_preset as new
 
     on = None if head is None else new.mesh(_there(head, "--head"), path)
     warning, placed = None, None

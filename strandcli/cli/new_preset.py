@@ -11,7 +11,7 @@ from dataclasses import dataclass
 from pathlib import Path
 from typing import Any
 
-from .errors import UsageError
+from ..errors import UsageError
 
 HEAD_SIZE = 0.28
 """Metres: longest side of a head without shoulders, for meshes of no known unit."""
@@ -50,7 +50,7 @@ def named(path: Path, preset: Path) -> str:
 
 def mesh(path: Path, preset: Path) -> Placed:
     """A mesh placed by what its file tells, else by guesses. Raises `UsageError` where it cannot be read."""
-    from .meshes.facts import facts_of_file
+    from ..meshes.facts import facts_of_file
 
     data, _ = facts_of_file(path)
     guess = data["guess"]
@@ -63,8 +63,8 @@ def mesh(path: Path, preset: Path) -> Placed:
 
 def strands(path: Path, preset: Path) -> Placed:
     """Strands placed by what their file tells, else by guesses."""
-    from .exchange.facts import facts_of_file
-    from .exchange.files import ReadOptions
+    from ..exchange.facts import facts_of_file
+    from ..exchange.files import ReadOptions
 
     data = facts_of_file(path, ReadOptions())
     if data["box"] is None:
@@ -91,9 +91,9 @@ def _placed(
 
 def strands_on(path: Path, head: Placed, head_file: Path, preset: Path) -> tuple[Placed, str | None]:
     """Strands placed by how their roots lie on a placed mesh, and what to do where they lie on it in no way."""
-    from .exchange.files import ReadOptions
-    from .groom_file import fits  # Numba comes with it
-    from .solid_shapes.mesh import Settings
+    from ..exchange.files import ReadOptions
+    from ..groom_file import fits  # Numba comes with it
+    from ..solid_shapes.mesh import Settings
 
     solid = Settings(file=str(head_file), up=head.up, scale=head.scale)
     fit = fits.facts_on(path, ReadOptions(lenient=True), solid)
