@@ -35,7 +35,7 @@ PROGRAM = (
 )
 FAILURES = 3
 """After so many workers that end unasked or kernels that are lost, every kernel is compiled in place."""
-PARTS = ("surfaces", "strands", "coverage", "lines")
+PARTS = ("strands", "surfaces", "coverage", "lines")
 """Of a frame, from its end: most of the first frame's wait is for kernels that it needs last."""
 LOCKS = "claims"
 """The file whose bytes are locked."""
@@ -138,8 +138,8 @@ class Service:
 
     def _begin_ahead(self, scene: Scene, most: int) -> None:
         self._pending = None
-        children = min(limits.compilers(), most, len(PARTS))
-        if not self._usable() or children < 2:
+        children = min(limits.compilers() - 1, most - 1, len(PARTS))
+        if not self._usable() or children < 1:
             return
         try:
             data = pickle.dumps(scene)
@@ -195,9 +195,10 @@ class Service:
 
 
 def nothing_compiled() -> bool:
-    """Whether there is no kernel anywhere, so that one will be missing."""
-    with os.scandir(folder.cache.path) as entries:
+    """Whether there is no kernel anywhere, so that one will be missing; False where the folder cannot be read."""
+    with contextlib.suppress(OSError), os.scandir(folder.cache.path) as entries:
         return not folder.cache.read_only and not any(entry.name.endswith(".kernel") for entry in entries)
+    return False
 
 
 service = Service()

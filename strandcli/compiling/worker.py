@@ -22,9 +22,6 @@ from typing import Any, BinaryIO, NoReturn
 IDLE = 20.0
 """Seconds without work after which it ends: what it has imported takes 200 MB."""
 
-BEHIND = 3
-"""By how much those that compile ahead are nicer: two of them leave the one that is waited for a core of two."""
-
 
 def main(settings: str) -> None:
     """Do what comes in on standard input until that ends. ``settings``: the cache's folder, and what is read beside it,
@@ -120,7 +117,6 @@ class Children:
         try:
             os.close(self._end)
             threading.Thread(target=self._end_with_parent, daemon=True).start()
-            os.nice(BEHIND)
             _ahead(data, parts)
         finally:
             os._exit(0)

@@ -3,7 +3,7 @@
 Shadow maps from many directions would need one look-up for each direction at each vertex. Instead, the strands are
 accumulated in the cells of a grid, light is swept through the grid from each direction, and each cell stores the best
 linear fit of the visibility over directions. That is enough for surfaces and strands: an unoccluded hemisphere comes
-out exactly. `strandcli study PRESET --axis occlusion` measures the error against rays that intersect cylinders.
+out exactly. Tests compare it with rays that intersect cylinders.
 
 Not modelled: light reflected by solids, and structure smaller than a cell, such as the gaps between strands.
 """
